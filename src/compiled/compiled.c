@@ -44,6 +44,8 @@ typedef struct compiled {
   long tries;
   vs_monodromy map; /* for the host's; without states where it has none */
   double *states;   /* of the host's map: owned */
+  double *began;    /* the state before which the stretch under way began, with the next: */
+  bool *on;         /* its switches; owned */
 } compiled;
 
 /* ---- sources ---- */
@@ -108,9 +110,9 @@ static int parts_of(const compiled *c) {
 }
 
 static vs_status show_step(compiled *c, double h, vs_error *err) {
-  const bool hides = c->host->hides && c->host->hides(c->host->ctx); /* nobody looks at signals */
-  const int finer = vs_replay_is_on(c->job->steps) ? FINER : 1;
-  const int parts = vs_replay_parts(c->job->steps, hides ? 1 : finer * parts_of(c));
+  const bool on = vs_replay_is_on(c->job->steps);
+  const bool hides = !on && c->host->hides && c->host->hides(c->host->ctx); /* nobody looks */
+  const int parts = vs_replay_parts(c->job->steps, hides ? 1 : (on ? FINER : 1) * parts_of(c));
   vs_status status = VS_OK;
   for (int k = 1; k <= parts && !status; k++)
     status = show_instant(c, h, k == parts ? 1 : (double)k / parts, err);
@@ -243,7 +245,9 @@ static void begin_map(compiled *c) {
   vs_circuit_map *map = c->host->map;
   vs_monodromy_begin(&c->map, &c->e);
   const size_t n = (size_t)c->map.states;
-  c->states = vs_alloc(4 * n + n * n, sizeof *c->states);
+  c->states = vs_alloc(4 * n + n * n + (size_t)c->e.n, sizeof *c->states);
+  c->began = c->states + 4 * n + n * n;
+  c->on = vs_alloc((size_t)c->e.devices + 1, sizeof *c->on);
   *map = (vs_circuit_map){.states = (int)n,
                           .start = c->states,
                           .end = c->states + n,
@@ -255,6 +259,18 @@ static void begin_map(compiled *c) {
                           .solver = c};
 }
 
+/* Switches may keep what a stretch has made of them. With `back` they, and the state from which a
+ * restart looks for its own, are those with which the last stretch began; else they are kept. */
+static void turn_back(compiled *c, bool back) {
+  const size_t size = (size_t)c->e.n * sizeof *c->began;
+  memcpy(back ? c->r.y : c->began, back ? c->began : c->r.y, size);
+  for (int k = 0; k < c->e.devices; k++) {
+    bool *now = &c->e.device[k].on, *then = &c->on[k];
+    *(back ? now : then) = *(back ? then : now);
+  }
+  if (back) vs_equations_choose(&c->e, c->r.y, false);
+}
+
 /* A restart is to come from c->charge: where the host's stretch begins, from what it says. */
 static void go_on_in_map(compiled *c) {
   vs_circuit_map *map = c->host->map;
@@ -262,6 +278,8 @@ static void go_on_in_map(compiled *c) {
   vs_monodromy_stop(&c->map);
   if (!map->begins) return;
   map->begins = false;
+  turn_back(c, map->returns);
+  map->returns = false;
   vs_monodromy_charge(&c->map, map->next, c->charge);
   memcpy(c->states, map->next, (size_t)map->states * sizeof *c->states);
   vs_monodromy_start(&c->map, map->wants_slope);
@@ -554,9 +572,12 @@ static vs_status find_operating_point(compiled *c, vs_error *err) {
   return status;
 }
 
+static bool is_enough(const compiled *c) {
+  return c->host->enough && c->host->enough(c->host->ctx);
+}
+
 static vs_status run_equations(void *circuit, vs_error *err) {
   compiled *c = circuit;
-  const vs_circuit_host *host = c->host;
   const double until_s = c->job->until_s;
   double h = FIRST_S;
   int stuck = 0;
@@ -566,7 +587,7 @@ static vs_status run_equations(void *circuit, vs_error *err) {
   vs_status status = c->job->stands ? find_operating_point(c, err) : VS_OK;
   if (!status) status = restart_behind_jump(c, RESTART_S, err);
   if (c->map.states) vs_monodromy_state(&c->map, c->charge, c->states);
-  while (!status && c->r.t_s < until_s - RESTART_S && !(host->enough && host->enough(host->ctx))) {
+  while (!status && c->r.t_s < until_s - RESTART_S && !is_enough(c)) {
     const double edge_s = fmin(next_edge(c), until_s);
     double taken = 0;
     bool jumps = false;
@@ -586,6 +607,7 @@ static vs_status run_equations(void *circuit, vs_error *err) {
     }
     jumps = jumps && vs_replay_restarts(c->job->steps, choose_branches(c));
     if (status || (!jumps && (c->r.t_s < edge_s - RESTART_S || edge_s == until_s))) continue;
+    if (vs_replay_is_on(c->job->steps) && is_enough(c)) continue; /* no restart was noted there */
     status = restart_here(c, RESTART_S, err);
     h = FIRST_S;
   }
@@ -600,6 +622,7 @@ static void free_circuit(void *circuit) {
   if (c->map.states) c->host->map->states = 0;
   vs_monodromy_free(&c->map);
   free(c->states);
+  free(c->on);
   vs_rodas_free(&c->r);
   vs_equations_free(&c->e);
   free(c->of);

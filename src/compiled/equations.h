@@ -3,8 +3,7 @@
  * the nodes, V, the currents through voltage sources and inductors, A, the charges of diodes, C,
  * and the machine's states, SI. A row of a node is the sum of the currents that leave it; M has the
  * capacitances there, F, and in an inductor's row its inductance, H. */
-#ifndef VS_COMPILED_EQUATIONS_H
-#define VS_COMPILED_EQUATIONS_H
+#pragma once
 
 #include "base/names.h"
 #include "course.h"
@@ -124,5 +123,3 @@ bool vs_equations_still_asks(vs_equations *e, const double *y);
 bool vs_equations_asks(vs_equations *e, int device, const double *y);
 /* Makes its branches those of y, or its switch the other way round. */
 void vs_equations_turn(vs_equations *e, int device, const double *y);
-
-#endif

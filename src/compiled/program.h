@@ -3,8 +3,7 @@
  * between branches, by a ? b : c, u(), sgn() or the like, the branch is held for as long as a step
  * of the integration lasts, so that the expression is smooth within it; vs_program_chooses tells
  * whether another one is due. */
-#ifndef VS_COMPILED_PROGRAM_H
-#define VS_COMPILED_PROGRAM_H
+#pragma once
 
 #include "parameters.h"
 
@@ -55,5 +54,3 @@ double vs_program_value(const vs_compiled_program *program, const double *y, dou
 /* Takes the branches that y asks for. Returns true if one of them is another one than before. With
  * `only_ask` it keeps those that it has. */
 bool vs_program_choose(vs_compiled_program *program, const double *y, bool only_ask);
-
-#endif

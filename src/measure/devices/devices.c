@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "devices/losses.h"
 #include "devices/melting.h"
 #include "devices/reductions.h"
@@ -120,9 +119,9 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
   for (size_t k = 0; k < w->count; k++) {
     vs_reduced *r = &w->reduced[k];
     begin_measure(w, r, &d->kind->measures[k]);
-    bool assumed = false; /* of what is cooled the mean power is asked for */
+    unsigned unsure = 0; /* of what is cooled the mean power is asked for */
     const bool warms = r->measure->how == VS_R_CASE && w->cooling &&
-                       isfinite(vs_cooling_to_ambient(w->cooling, w->deck, d, &assumed));
+                       isfinite(vs_cooling_to_ambient(w->cooling, w->deck, d, &unsure));
     if (r->by->continuous && (r->limit || warms) && !w->at_work && !w->parts.count)
       begin_parts(&w->parts, frame->timeline, means);
     if (r->by->follow && (!r->by->is_busy || r->by->is_busy(w, r))) own->busy[own->n_busy++] = r;
