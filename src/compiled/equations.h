@@ -75,8 +75,8 @@ typedef struct vs_equations {
   const vs_circuit_host *host; /* borrowed: its machine is a part of the equations */
   int machine, states, flux;   /* the machine's first unknown, how many it has, and the unknown that
                                   is its flux linkage */
-  const void *law; /* of the machine, whose slopes by x are known; NULL: none are */
-  double *of_law;  /* df/dy of what is linear, and of these, by place; owned */
+  const void *law;             /* of the machine, whose slopes by x are known; NULL: none are */
+  double *of_law;              /* df/dy of what is linear, and of these, by place; owned */
   double *charge;              /* M y at t = 0, of what the netlist says with ic=; owned */
 } vs_equations;
 
