@@ -15,7 +15,7 @@
 
 /* By what the error of an unknown is measured. */
 typedef struct measured {
-  bool counts;
+  bool counts, shown;
   double of_tolerance; /* so much of the tolerance */
   double of_peak;      /* of its size, and of so much of what it has been at most */
   double small;        /* and of this, in its unit */
@@ -32,7 +32,6 @@ typedef struct compiled {
   int *counting, n_counting;   /* the unknowns whose errors count; owned */
   int *signal;                 /* the unknown of each of the job's signals; owned */
   double *shown;               /* their values, as accept() is given them; owned */
-  double *most;                /* of each signal so far, its size; owned */
   double *charge;              /* M y where a restart begins; owned */
   double *between;             /* a state within a step; owned */
   double before_s, off_before; /* the last step's length and error; 0: there is none */
@@ -66,16 +65,15 @@ static void drive_sources(void *ctx, double t_s, double *value) {
 
 /* ---- shown ---- */
 
-static double signal_at(const compiled *c, size_t k, double part) {
-  const int u = c->signal[k];
-  return u < 0 ? 0 : part == 1 ? c->r.next[u] : vs_rodas_dense_of(&c->r, u, part);
-}
-
 /* Shows what holds at a part of the step of h that was tried: 1 is its end. */
 static vs_status show_instant(compiled *c, double h, double part, vs_error *err) {
+  double *y = part < 1 ? c->between : c->r.next;
+  for (int n = 0; n < c->n_counting && part < 1; n++)
+    if (c->of[c->counting[n]].shown)
+      y[c->counting[n]] = vs_rodas_dense_of(&c->r, c->counting[n], part);
   for (size_t k = 0; k < c->job->n_signals; k++) {
-    c->shown[k] = c->signal[k] == -2 ? NAN : signal_at(c, k, part);
-    if (fabs(c->shown[k]) > c->most[k]) c->most[k] = fabs(c->shown[k]);
+    const int u = c->signal[k];
+    c->shown[k] = u >= 0 ? y[u] : u == -1 ? 0 : NAN;
   }
   const double t_s = c->r.t_s + part * h;
   if (part < 1 && c->host->passes && c->host->passes(c->host->ctx, t_s, c->shown)) return VS_OK;
@@ -95,13 +93,15 @@ enum { FINER = 4 };
 static int parts_of(const compiled *c) {
   double most = 1;
   const double allowed = STRAIGHT * c->job->tolerance;
-  for (size_t k = 0; k < c->job->n_signals; k++) {
-    const int u = c->signal[k];
-    if (u < 0 || u == c->e.flux) continue;
+  for (int n = 0; n < c->n_counting; n++) {
+    const int u = c->counting[n];
+    const measured *of = &c->of[u];
+    if (!of->shown || u == c->e.flux) continue;
     const double bend = c->r.bend[0][u], more = c->r.bend[1][u];
-    const double off = fmax(fabs(bend - more), fabs(bend + 2 * more)) / 4;
-    const double peak = fmax(c->most[k], fmax(fabs(c->r.y[u]), fabs(c->r.next[u])));
-    if (off > allowed * peak * most) most = off / (allowed * peak);
+    const double begin = fabs(bend - more), end = fabs(bend + 2 * more);
+    const double behind = fabs(c->r.next[u]), peak = behind > of->peak ? behind : of->peak;
+    const double off = (begin > end ? begin : end) / 4, may_be = allowed * (peak + of->small);
+    if (off > may_be * most) most = off / may_be;
   }
   return (int)fmin(ceil(sqrt(most)), MOST_PARTS);
 }
@@ -150,8 +150,8 @@ static measured measure_of(const compiled *c, int unknown) {
       of.of_tolerance = OF_TOLERANCE;
     }
   for (size_t k = 0; k < c->job->n_signals; k++)
-    if (c->signal[k] == unknown && of.of_peak < 1) {
-      of.counts = true;
+    if (c->signal[k] == unknown && !of.shown) {
+      of.counts = of.shown = true;
       of.of_peak = 1;
       of.small *= SHOWN;
     }
@@ -626,7 +626,6 @@ static void free_circuit(void *circuit) {
   free(c->counting);
   free(c->signal);
   free(c->shown);
-  free(c->most);
   free(c->charge);
   free(c->between);
   free(c);
@@ -663,7 +662,6 @@ static vs_status load_equations(const vs_circuit_job *job, const vs_circuit_host
     if (c->of[k].counts) c->counting[c->n_counting++] = k;
   }
   c->shown = vs_alloc(job->n_signals + 1, sizeof *c->shown);
-  c->most = vs_alloc(job->n_signals + 1, sizeof *c->most);
   c->charge = vs_alloc(n, sizeof *c->charge);
   c->between = vs_alloc(n, sizeof *c->between);
   if (host->map) begin_map(c);

@@ -3,10 +3,8 @@
  * tell and set its whole state and knows the monodromy matrix Phi (vs_circuit_map). A pass that
  * began at z and ended at z' is followed by one from z + (I - Phi)^-1 (z' - z), or from a part of
  * the way there. A Phi costs several passes; one is kept for as long as corrections fall fast with
- * it.
- */
-#ifndef VS_ORBIT_FULL_NEWTON_H
-#define VS_ORBIT_FULL_NEWTON_H
+ * it. */
+#pragma once
 
 #include "ngspice/circuit.h"
 #include "orbit/multipliers.h"
@@ -54,5 +52,3 @@ double vs_full_newton_kept(const vs_full_newton *f, int state);
 /* Finds at most `most` multipliers of these parts, the largest first. Returns how many they are; 0:
  * GSL finds none. */
 int vs_full_newton_multipliers(const vs_full_newton *f, int most, vs_multiplier *out);
-
-#endif

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "engine/budget.h"
 #include "engine/propagator.h"
 #include "full_newton.h"

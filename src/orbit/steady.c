@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "fraction.h"
 #include "heat.h"
 #include "warmth.h"

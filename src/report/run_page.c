@@ -58,7 +58,7 @@ static void add_verdict_line(vs_html *html, const vs_node *line) {
   vs_text_free(&name);
   vs_margin_bars_stress(line, &stress, &limit);
   add_amount(html, stress, unit, "");
-  add_amount(html, limit, unit, vs_margin_bars_assumed(line) ? " (assumed)" : "");
+  add_amount(html, limit, unit, vs_margin_bars_unsure(line));
   add_percent(html, vs_member_number(vs_tree_child(line, "margin")));
   vs_html_cell(html, vs_run_pair_word(line));
   add_percent(html, vs_member_number(vs_tree_child(line, "margin_error")));

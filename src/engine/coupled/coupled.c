@@ -24,7 +24,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "coupled/coupled.h"
 #include "coupled/settling.h"
 #include "coupled/signal_map.h"

@@ -3,8 +3,7 @@
  * them is smooth. On tier compiled the scene's own search finds its orbit. The steps of a period
  * from there are noted; by these the orbit is closed to rounding, with the search's Phi. Each
  * neighbour's period begins at that orbit, and is closed by the same steps and the same Phi. */
-#ifndef VS_ORBIT_ALIKE_H
-#define VS_ORBIT_ALIKE_H
+#pragma once
 
 #include "full_newton.h"
 #include "orbit/picard.h"
@@ -26,5 +25,3 @@ typedef struct vs_alike {
  * set, or an orbit does not close. */
 void vs_alike_take(vs_alike *alike, vs_picard *picard);
 void vs_alike_free(vs_alike *alike);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * One accepted step, as a watcher is shown it: the states at its two ends (knots), the channels
  * anywhere between them, and what happened on the way. */
-#ifndef VS_ENGINE_STEP_H
-#define VS_ENGINE_STEP_H
+#pragma once
 
 #include "base/error.h"
 #include "engine/channel.h"
@@ -143,5 +142,3 @@ double vs_step_curve_value(const vs_curve *curve, double s);
 /* The root of a curve that changes its sign once, from > 0 to < 0. What rounding makes of a curve
  * of degree 13 moves the root by 1e-11. */
 double vs_step_curve_root(vs_curve curve);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Watcher that takes the current drawn from the mains apart into harmonics of the mains. The
  * integrals are taken on the dense output of each step, so that no sampling limits them. */
-#ifndef VS_MEASURE_SPECTRUM_H
-#define VS_MEASURE_SPECTRUM_H
+#pragma once
 
 #include <gsl/gsl_integration.h>
 
@@ -94,5 +93,3 @@ double vs_spectrum_limit(int n);
 double vs_spectrum_cut(const vs_spectrum *spectrum, double t_s);
 /* How many windows the groups are the mean of. */
 int vs_spectrum_windows(const vs_spectrum *spectrum);
-
-#endif

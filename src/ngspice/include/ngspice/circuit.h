@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The interface to a circuit solver: ngspice in the product (ngspice/ngspice.h), a formula in
  * tests. The circuit owns its time loop and asks its host for what it needs. */
-#ifndef VS_NGSPICE_CIRCUIT_H
-#define VS_NGSPICE_CIRCUIT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -157,5 +156,3 @@ typedef struct vs_circuit_kind {
   vs_status (*run)(void *circuit, vs_error *err);
   void (*free)(void *circuit); /* NULL is fine */
 } vs_circuit_kind;
-
-#endif

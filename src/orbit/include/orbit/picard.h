@@ -15,8 +15,7 @@
  * With a stop in reach the two tiers' Phi may have little in common, and corrections do not fall.
  * Then Phi is found by differences between copies of the process. If that does not
  * do either the machine is left to itself, to tell what period it runs on. */
-#ifndef VS_ORBIT_PICARD_H
-#define VS_ORBIT_PICARD_H
+#pragma once
 
 #include "engine/budget.h"
 #include "engine/sim.h"
@@ -71,5 +70,3 @@ struct vs_full_newton *vs_picard_newton(const vs_picard *picard);
 
 /* Before an attempt of a session (run/session.h): what was found counts no more. */
 void vs_picard_again(vs_picard *picard);
-
-#endif
