@@ -95,6 +95,9 @@ void vs_step_psi_at(const vs_step *step, double t_s, double psi[VS_MOST_RUNGS]);
 vs_law_rates vs_step_coil_rates(const vs_frame *frame, const vs_knot *knot);
 /* True if there is no flux anywhere in the step, and so neither current nor force. */
 bool vs_step_is_quiet(const vs_step *step);
+/* In how many parts to look for turns, where a step of half a radian of the fastest mode is to have
+ * `most`, and any at least `least`. */
+int vs_step_parts(const vs_step *step, int least, int most);
 
 /* The knots between which terms run straight: the k-th such piece, of step->parts + 1. */
 typedef struct vs_piece {

@@ -49,8 +49,6 @@ typedef struct vs_quality {
   double voltage_squared; /* int v^2 dt, V^2 s */
   double energy_j;        /* int v i dt */
   double ends_squared[2]; /* int i^2 dt over the first and the last `half` cycles, A^2 s */
-  gsl_integration_glfixed_table *short_rule; /* for steps over which the harmonics hardly turn;
-                                                owned */
 } vs_quality;
 
 /* setup: of the run, whose means and firings it follows. */
