@@ -26,6 +26,10 @@ typedef struct vs_traces {
  * manifest.json of a study. */
 bool vs_traces_here(const char *folder);
 
+/* Says why a folder has no run.csv, which could not be opened for `why`: a run that did not end
+ * well, a study that was broken off, or nothing. */
+vs_status vs_traces_none(const char *folder, int why, vs_error *err);
+
 /* Reads the file. Errors, VS_INPUT, with their line: there is no file, or only that of a run that
  * failed; the first column is not t_s; a row has more or fewer cells than the header, a cell is no
  * number, the time decreases. */

@@ -10,9 +10,9 @@
 #include "netlist/kinds.h"
 #include "run/engineering.h"
 
-/* What is looked at: a value at an instant; its rise over the stretch that a rate is the mean of; a
- * sum or mean over time, which is told by its largest current or voltage. */
-typedef enum form { AT_INSTANT, RISE, OVER_TIME } form;
+/* What is looked at: a value at an instant; a sum or mean over time, which is told by its largest
+ * current or voltage; the stretch that a rate is the mean of, which for a fall ends at at_s. */
+typedef enum form { AT_INSTANT, OVER_TIME, RISE, FALL } form;
 
 /* Before the stretch of a rate the circuit is looked at from so long on, s: a solver's step may
  * begin before the stretch. Steps near what changes within a microsecond are shorter. */
@@ -88,8 +88,9 @@ static form form_of(const vs_device_measure *m) {
   case VS_R_MISFIRE:
   case VS_R_UNINTENDED:
   case VS_R_COMMUTATION_FAILURE:
-  case VS_R_FALL:
     return AT_INSTANT;
+  case VS_R_FALL:
+    return FALL;
   case VS_R_STEEPEST:
   case VS_R_RISE:
   case VS_R_OFF_RATE:
@@ -138,8 +139,7 @@ static void look_at_device(vs_causes *c, cause *k, const vs_device_measure *m) {
     if (isnan(k->at_s)) k->at_s = peak_of_device(c->result, k->device, k->voltage = true);
   }
   if (k->form == RISE) k->over_s = stretch_of(c, k);
-  if (m->how == VS_R_FALL)
-    k->at_s -= vs_slope_fall_s; /* of a current that is 0 at the end of its fall */
+  if (k->form == FALL) k->over_s = vs_slope_fall_s;
   if (isnan(k->at_s))
     snprintf(k->note, sizeof k->note, "no instant is known at which it is decided");
   if (m->how == VS_R_OFFERED)
@@ -224,9 +224,9 @@ static void add_cause(vs_causes *c, const vs_judgement *j) {
   } else if (!j->name || !look_at_measure(c, k, j->name)) {
     look_at_probe(c, k, j->name ? j->name : "");
   }
-  const double ahead_s = k->form == RISE ? AHEAD_S : 0;
+  const double ahead_s = k->form >= RISE ? AHEAD_S : 0;
   k->from_s = k->at_s - 1.5 * k->over_s - ahead_s;
-  k->to_s = k->at_s + 1.5 * k->over_s;
+  k->to_s = k->at_s + (k->form == RISE ? 1.5 * k->over_s : 0);
   find_event(c, k);
   if (!isnan(k->to_s) && !*k->note) c->last_s = fmax(c->last_s, k->to_s);
 }
@@ -402,12 +402,13 @@ static void signals_at(const vs_causes *c, const cause *k, double t_s, double *s
     signals[s] = a->signals[s] + part * (b->signals[s] - a->signals[s]);
 }
 
-/* Finds the beginning of the stretch of that length with the largest rise: one of its ends is at a
- * moment. `from` and `to` become the signals at its ends. Returns the beginning, s. */
+/* Finds the beginning of the stretch of that length that falls to zero, or has the largest rise:
+ * one of its ends is at a moment. `from` and `to` become the signals at its ends. Returns the
+ * beginning, s. */
 static double find_stretch(const vs_causes *c, const cause *k, double *from, double *to) {
-  double best = -INFINITY, best_s = k->at_s;
+  double best = -INFINITY, best_s = k->at_s - (k->form == FALL ? k->over_s : 0);
   const int sense = k->of->measure ? k->of->measure->sense : 0;
-  for (size_t n = 0; n < 2 * k->n_seen; n++) {
+  for (size_t n = 0; n < 2 * k->n_seen && k->form == RISE; n++) {
     const double t_s = k->seen[n / 2].t_s - (n % 2 ? k->over_s : 0);
     if (t_s < k->seen[0].t_s || t_s + k->over_s > k->seen[k->n_seen - 1].t_s) continue;
     if (fabs(t_s + k->over_s / 2 - k->at_s) > 1.6 * k->over_s) continue;
@@ -485,8 +486,8 @@ static bool share_current(vs_causes *c, cause *k, const double *signals) {
 static bool is_met(const cause *k) {
   static const double NEAR = 0.1;
   const vs_device_measure *m = k->of->measure;
-  const double told = fabs(k->of->stress.value) * (k->form == RISE ? k->over_s : 1);
-  const bool same = k->form == RISE || (m ? m->how == VS_R_PEAK : k->term >= 0 || k->coil);
+  const double told = fabs(k->of->stress.value) * (k->form >= RISE ? k->over_s : 1);
+  const bool same = k->form >= RISE || (m ? m->how == VS_R_PEAK : k->term >= 0 || k->coil);
   return !same || fabs(fabs(k->total) - told) <= NEAR * told;
 }
 
@@ -497,12 +498,12 @@ static void work_out(vs_causes *c, cause *k) {
   size_t node[2];
   double sum = 0;
   if (k->term >= 0) k->device = device_of_probe(c, k);
-  if (k->form == RISE && k->n_seen > 1) {
+  if (k->form >= RISE && k->n_seen > 1) {
     k->found_s = find_stretch(c, k, from, to);
     k->total = value_of(c, k, to) - value_of(c, k, from);
     for (size_t s = 0; s < n; s++) to[s] -= from[s];
   } else {
-    k->form = k->form == RISE ? AT_INSTANT : k->form;
+    k->form = k->form >= RISE ? AT_INSTANT : k->form;
     memcpy(to, k->seen[0].signals, n * sizeof *to);
     k->found_s = k->seen[0].t_s;
     k->total = value_of(c, k, to);
@@ -637,9 +638,9 @@ static void show_shares(const cause *k, FILE *out) {
   char text[VS_ENGINEERING_SIZE];
   double rest = 0;
   size_t n_rest = 0;
-  if (k->form == RISE) fputs("a rise of ", out);
+  if (k->form >= RISE) fprintf(out, "a %s of ", k->form == FALL ? "fall" : "rise");
   fputs(vs_engineering_text(vs_text_rounded(k->total, 3), unit, text), out);
-  if (k->form == RISE) fprintf(out, " within %s", vs_engineering_text(k->over_s, "s", text));
+  if (k->form >= RISE) fprintf(out, " within %s", vs_engineering_text(k->over_s, "s", text));
   fprintf(out, " at %s, made of", vs_engineering_text(k->found_s, "s", text));
   for (size_t n = 0; n < k->shares.count; n++) {
     const vs_share *s = &k->shares.item[n];
@@ -726,7 +727,7 @@ static void add_happening(vs_json *json, const happening *h, double at_s) {
 }
 
 void vs_causes_json(const vs_causes *c, const vs_judgement *of, vs_json *json) {
-  static const char *const FORMS[] = {"value", "rise", "largest of a sum over time"};
+  static const char *const FORMS[] = {"value", "largest of a sum over time", "rise", "fall"};
   const cause *one = NULL;
   for (size_t k = 0; c && k < c->count; k++)
     if (c->item[k].of == of) one = &c->item[k];
@@ -735,7 +736,7 @@ void vs_causes_json(const vs_causes *c, const vs_judgement *of, vs_json *json) {
   if (one->told) {
     vs_json_text(json, "of", FORMS[one->form]);
     vs_json_number(json, "at_s", one->found_s, 9);
-    if (one->form == RISE) vs_json_number(json, "over_s", one->over_s, 9);
+    if (one->form >= RISE) vs_json_number(json, "over_s", one->over_s, 9);
     if (one->form == OVER_TIME && one->sum > 0) {
       vs_json_number(json, "most_from_s", one->part_from_s, 9);
       vs_json_number(json, "most", one->part / one->sum, 6);

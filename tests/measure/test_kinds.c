@@ -303,8 +303,9 @@ static void a_triac_both_ways(void) {
  * does not stand for one of 295 V that follows; a surge 1.7 ms later meets no charge; a run that
  * ends before the voltage has come down; a fall at 12 A/ms behind a peak of 200 A; one of 0.85 A in
  * 5 us behind milliseconds at that, whose mean over 50 us is 17 A/ms; a run that ends 0.1 ms later,
- * before a failure could show; a fall behind which no voltage comes, as where a fuse has opened.
- * And it does fire where the current stays, or comes back with an on-state voltage. */
+ * before a failure could show; a fall behind which no voltage comes, as where a fuse has opened;
+ * under its gate pulse a current that its snubber rings through zero, and one that ends at
+ * 200 A/ms. And it does fire where the current stays, or comes back with an on-state voltage. */
 static void a_triac_commutates(void) {
   static const struct {
     const char *v, *i, *until;
@@ -329,6 +330,10 @@ static void a_triac_commutates(void) {
       {"13.5m 1 13.5001m -1 13.51m -300 16m -300", "11m 10 13.5m 0", "run.until=13.6ms", 30.2, 4, 0,
        0, true},
       {"13.5m 1 13.5001m 0 16m 0", "11m 10 13.5m 0", "run.until=15.5ms", NAN, NAN, 0, 0, false},
+      {"13.5m 1 13.5001m -1 13.51m -300 16m -300",
+       "5.612m -0.02 5.63m -0.02 5.65m 0.1 11m 10 13.5m 0", "run.until=15ms", 30.2, 4, 0, 0, false},
+      {"5.7m 1 5.7001m -1 5.71m -300 16m -300", "5.65m 10 5.7m 0 16m 0", "run.until=15ms", 30.2, 200,
+       0, 0, false},
       {"13.55m 1 13.5501m -1 19m -1", "11m 10 13.5m 0 13.55m -3 14m -2 15m -1", "run.until=15ms",
        NAN, 4, 1, 0, false},
       {"13.55m 1 13.5501m -1 13.56m -100 13.57m -100 13.571m -1 19m -1",

@@ -414,6 +414,7 @@ static void add(vs_anode *a, const vs_deck *deck, const vs_probe *probe, const v
                  : vs_formula_prepare(&device->current);
     vs_conduction_begin(&m->conduction);
     m->conduction.recovers = recovers;
+    m->conduction.both_ways = device && device->kind->both_ways;
   }
 }
 

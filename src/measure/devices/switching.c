@@ -504,11 +504,10 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c, vs_switch_n
  * its gate pulse lasts it may be fired again, by the next of the sub-pulses, and the end of the
  * pulse will tell. Otherwise this is a misfire. */
 static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
-  bool gate_known = s->gate.gates.count;
   s->rest = REST_NONE;
   if (s->gate.on)
     s->conducted = false;
-  else if (s->by_gate && gate_known) {
+  else if (s->by_gate && s->gate.gates.count) {
     news->misfire = (vs_value){true, 1, c->t1_s};
     news->unlatched = true;
   }
@@ -640,6 +639,7 @@ void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gate
       vs_parts_turn_on_s(deck, device->part < 0 ? NULL : deck->parts[device->part].file);
   vs_conduction_begin(&s->conduction);
   s->conduction.recovers = vs_conduction_turn_off(deck, device) > 0;
+  s->conduction.both_ways = s->both_ways;
 }
 
 void vs_switching_resume(vs_switch *s, double i_a, double v_v) {

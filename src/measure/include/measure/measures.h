@@ -120,9 +120,10 @@ typedef struct vs_measures {
                       fires; NaN: not yet */
   double passed_s[VS_DECK_MOST]; /* when each of the deck's ratings was first passed; NaN: it was
                                     not */
-  double fired_s, extinct_s, refired_s; /* first firing, first extinction, second firing; NaN: not
-                                           yet */
-  vs_value first, second;               /* motion peaks of the travel */
+  double fired_s, extinct_s, refired_s; /* first firing, the extinction behind it, second firing;
+                                           NaN: not yet */
+  double rested_s;        /* extinction before the first firing; NaN: there was none */
+  vs_value first, second; /* motion peaks of the travel */
   /* rising zero crossings of the travel in the free swing: how many, and when the first and the
    * last were */
   double crossings, first_crossing_s, last_crossing_s;
