@@ -73,7 +73,7 @@ static vs_status reach_fork_point(coupling *c, double t_s, vs_error *err);
 static vs_status follow_macromodel(coupling *c, double t_s, const double *signals, vs_error *err);
 static void look_into(const coupling *c, double t_s, const double *signals);
 static void take_circuit_state(coupling *c, double t_s, const double *signals);
-static vs_status check_operating_point(coupling *c, vs_error *err);
+static vs_status take_operating_point(coupling *c, vs_error *err);
 static void judge_step_length(coupling *c);
 static vs_status end_settling_cycle(coupling *c, vs_error *err);
 
@@ -103,7 +103,7 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
 
   /* Circuit -> mechanics: lambda, Wb, and its rate, V, at the step's end (signal_map.c). */
   take_circuit_state(c, t_s, signals);
-  status = check_operating_point(c, err);
+  status = take_operating_point(c, err);
   if (status) return status;
 
   /* The truncation error of the solver's rule in lambda bounds the next step's length
@@ -130,7 +130,8 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
 static bool pass_coupled_step(void *ctx, double solver_s, const double *signals) {
   coupling *c = ctx;
   const bool each = c->order->look || c->order->fork || c->settling.on ||
-                    c->solver_switch.follows || c->setup->timeline.program;
+                    c->solver_switch.follows || c->setup->timeline.program ||
+                    (c->stands && c->trajectory.blank);
   vs_knot *part = each ? NULL : vs_trajectory_part(&c->trajectory);
   if (!part) return false;
   part->t_s = run_time(c, solver_s);
@@ -190,17 +191,24 @@ static void take_circuit_state(coupling *c, double t_s, const double *signals) {
   next->flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
 }
 
-/* Error: the coil has a current at the operating point, with all switches off. The machine begins
- * without one, and neither it nor its energy could jump to it. */
-static vs_status check_operating_point(coupling *c, vs_error *err) {
+/* The first knot takes the coil's part of the operating point, which the solver does not show: the
+ * leakage current of the switches that are off flows in the coil there. A flux linkage that began
+ * at 0 would jump within picoseconds, and eddy currents follow its rate. Error: the coil has more
+ * current than that. The machine begins without one, and neither it nor its energy could jump to
+ * it. */
+static vs_status take_operating_point(coupling *c, vs_error *err) {
   static const double LITTLE = 1e-3, MUCH = 10;
-  const vs_knot *from = vs_trajectory_last(&c->trajectory),
-                *next = vs_trajectory_next(&c->trajectory);
+  const vs_knot *from = vs_trajectory_last(&c->trajectory);
   const vs_coil *coil = &c->setup->model.coil;
+  vs_knot *next = vs_trajectory_next(&c->trajectory);
   const double peak_v = c->setup->timeline.peak_v,
                most_wb = MUCH * peak_v * (next->t_s - from->t_s) +
                          LITTLE * coil->rest_h * peak_v / coil->resistance_ohm;
-  if (!c->stands || from->t_s > 0 || !(fabs(next->flux_wb - from->flux_wb) > most_wb)) return VS_OK;
+  if (!c->stands || from->t_s > 0) return VS_OK;
+  if (!(fabs(next->flux_wb - from->flux_wb) > most_wb)) {
+    vs_trajectory_stand(&c->trajectory);
+    return VS_OK;
+  }
   return vs_fail(
       err, VS_RUN,
       "t = 0 s: the coil carries a current at the deck's operating point, with its "
