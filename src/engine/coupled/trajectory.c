@@ -484,6 +484,18 @@ void vs_trajectory_begin(vs_trajectory *c, const vs_setup *setup, const vs_frame
   motion_begin(&c->motion, m);
 }
 
+void vs_trajectory_stand(vs_trajectory *c) {
+  const vs_coil *coil = &c->frame.model->coil;
+  vs_knot *k = &c->knots[c->now], *next = vs_trajectory_next(c);
+  k->flux_wb = next->flux_wb;
+  k->flux_rate_v = next->flux_rate_v;
+  k->v_eva_v = next->v_eva_v;
+  k->i_mains_a = next->i_mains_a;
+  next->flux_rate2_v_s = 0;
+  for (int n = 0; n < coil->rungs; n++) k->psi_wb[n] = coil->rung[n].share * k->flux_wb;
+  complete_knot(c, k);
+}
+
 void vs_trajectory_turn(vs_trajectory *c, double by_s, const vs_setup *setup,
                         const vs_observer *observer, const double *x) {
   vs_knot *k = &c->knots[c->now];

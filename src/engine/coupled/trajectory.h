@@ -62,6 +62,9 @@ void vs_trajectory_begin(vs_trajectory *trajectory, const vs_setup *setup, const
                          const vs_observer *observer);
 void vs_trajectory_end(vs_trajectory *trajectory);
 
+/* The first knot has what vs_trajectory_next has of the coil: the circuit stood there before. */
+void vs_trajectory_stand(vs_trajectory *trajectory);
+
 /* The last knot shown. */
 static inline const vs_knot *vs_trajectory_last(const vs_trajectory *trajectory) {
   return &trajectory->knots[trajectory->now];

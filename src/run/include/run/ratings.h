@@ -59,8 +59,8 @@ typedef struct vs_ratings_seen {
   const vs_watchers *watchers;
   const vs_quality *quality; /* of the scene's currents; NULL: it was not told */
   int n_quality;
-  const char *no_pull_in; /* vs_result.no_pull_in */
-  double until_s;         /* its end */
+  const char *no_pull_in, *lets_go; /* vs_result has them */
+  double until_s;                   /* its end */
 } vs_ratings_seen;
 
 /* Adds the lines of all ratings to a verdict that was reached. The ratings must outlive it. */

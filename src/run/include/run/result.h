@@ -54,6 +54,7 @@ typedef struct vs_result {
   vs_quality *quality; /* of the scene's currents, in their order, owned; NULL: it names none */
   int n_quality;
   char no_pull_in[128]; /* why the armature did not pull in; empty: it did, or nobody asks */
+  char lets_go[128];    /* when it let go while the coil was driven; empty: it did not */
   char books[512];      /* what the energy audit finds; empty: nothing */
   vs_verdict verdict;
   const vs_corners *corners;      /* borrowed; NULL: only nominal values were run */
