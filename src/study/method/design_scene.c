@@ -95,3 +95,24 @@ vs_status vs_design_scene_write(const vs_plan *plan, const vs_results *results, 
   for (size_t k = 0; k < n && !status; k++) status = write_scene(plan, results, cases, run[k], err);
   return status;
 }
+
+void vs_design_scene_assumed(const vs_plan *plan, const double *point, vs_text *text) {
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_error none = {0};
+  bool any = false;
+  vs_status status = vs_plan_scene(plan, scene, &none);
+  if (!status) vs_plan_put(plan, point, &scene->tree);
+  if (!status) status = vs_scene_read_sections(scene, NULL, &none);
+  const vs_deck *deck = &scene->setup.deck;
+  for (size_t k = 0; !status && k < deck->n_devices; k++)
+    for (size_t m = 0; deck->devices[k].kind && m < deck->devices[k].kind->n_measures; m++) {
+      const size_t held = deck->devices[k].held[m];
+      if (!held || !deck->limits[held - 1].assumed) continue;
+      vs_text_add(text, "%s%s.%s", any ? ", " : " Assumed limits: ", deck->devices[k].name,
+                  deck->devices[k].kind->measures[m].name);
+      any = true;
+    }
+  if (any) vs_text_add(text, ".");
+  vs_scene_free(scene);
+  free(scene);
+}

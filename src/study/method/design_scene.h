@@ -11,4 +11,7 @@
 vs_status vs_design_scene_write(const vs_plan *plan, const vs_results *results, const uint64_t *run,
                                 size_t n, const char *folder, vs_error *err);
 
+/* Adds the limits of the point's parts that no source says. */
+void vs_design_scene_assumed(const vs_plan *plan, const double *point, vs_text *text);
+
 #endif
