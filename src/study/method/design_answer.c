@@ -30,16 +30,6 @@ typedef struct answer {
 
 /* ---- the least margin of each part ---- */
 
-/* True if the line is of a device that is made of the choice. */
-static bool is_of_choice(const answer *a, const char *line, const vs_design_choice *c) {
-  const vs_deck *deck = &a->plan->first->setup.deck;
-  const size_t n = strcspn(line, ".");
-  for (size_t k = 0; k < deck->n_devices; k++)
-    if (strlen(deck->devices[k].name) == n && !strncmp(deck->devices[k].name, line, n))
-      return vs_design_choices_makes(c, deck, &deck->devices[k]);
-  return false;
-}
-
 static void take_least(vs_design_mark *least, vs_design_mark mark) {
   if (!isfinite(mark.margin)) return;
   if (least->run == UINT64_MAX ||
@@ -64,7 +54,8 @@ static void take_run_of_answer(answer *a, uint64_t number, uint64_t run) {
                   not_judged ? not_judged : "", &row, came);
     if (row.weakest == SIZE_MAX) continue;
     for (size_t c = 0; c < d->n_choices; c++)
-      if (is_of_choice(a, d->hold.line[k].name, &d->choice[c]))
+      if (vs_design_choices_makes_line(&d->choice[c], &a->plan->first->setup.deck,
+                                       d->hold.line[k].name))
         take_least(&a->least[c], (vs_design_mark){number, run, k, row.margin, row.error});
   }
 }
@@ -145,11 +136,6 @@ static void add_case(const answer *a, const vs_design_mark *mark, vs_text *text)
 static void add_option(const answer *a, const vs_design_candidate *c, size_t choice,
                        vs_text *text) {
   vs_design_choices_write_option(a->d, a->plan, c->number, choice, text);
-}
-
-static const char *part_name(const answer *a, const vs_design_class *class) {
-  if (class->row == VS_DESIGN_NONE) return "none";
-  return vs_price_list_cell(&a->d->list, class->row, a->d->list.part)->text;
 }
 
 /* Adds "+6.3 % +- 0.2 %". */
@@ -393,34 +379,6 @@ static void add_lines(const answer *a, int which, vs_text *text) {
   if (between != TITLE[which]) vs_text_add(text, ".");
 }
 
-/* Adds the limits of the deck's parts that lack this: VS_ASSUMED, VS_TYPICAL. */
-static void add_limits(const vs_deck *deck, unsigned lack, const char *title, vs_text *text) {
-  const char *between = title;
-  for (size_t k = 0; k < deck->n_devices; k++)
-    for (size_t m = 0; deck->devices[k].kind && m < deck->devices[k].kind->n_measures; m++) {
-      const size_t held = deck->devices[k].held[m];
-      if (!held || !(deck->limits[held - 1].unsure & lack)) continue;
-      vs_text_add(text, "%s%s.%s", between, deck->devices[k].name,
-                  deck->devices[k].kind->measures[m].name);
-      between = ", ";
-    }
-  if (between != title) vs_text_add(text, ".");
-}
-
-static void add_unsure(const answer *a, vs_text *text) {
-  static const char *const TITLE[] = {"", " Assumed limits: ", " Typical limits, not guaranteed: "};
-  vs_scene *scene = vs_alloc(1, sizeof *scene);
-  vs_error none = {0};
-  vs_status status = vs_plan_scene(a->plan, scene, &none);
-  if (!status)
-    vs_plan_put(a->plan, &a->results->points[a->s.weakest_run * a->plan->n_axes], &scene->tree);
-  if (!status) status = vs_scene_read_sections(scene, NULL, &none);
-  for (unsigned lack = VS_ASSUMED; !status && lack <= VS_TYPICAL; lack <<= 1)
-    add_limits(&scene->setup.deck, lack, TITLE[lack], text);
-  vs_scene_free(scene);
-  free(scene);
-}
-
 /* What no run judged, each group once, as the rows of the answer say it. */
 static void add_not_judged(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
@@ -444,7 +402,7 @@ static void add_not_judged(const answer *a, vs_text *text) {
   }
   vs_text_add(text, "Not judged: %s.", all.length ? all.text : "nothing");
   for (int which = 0; which < 3; which++) add_lines(a, which, text);
-  add_unsure(a, text);
+  vs_design_scene_unsure(a->plan, &a->results->points[a->s.weakest_run * a->plan->n_axes], text);
   vs_text_free(&all);
 }
 
@@ -485,7 +443,7 @@ static void put_choices(const answer *a, const vs_design_candidate *c, bool marg
     } else {
       vs_json_object(json, a->d->choice[k].node->key, VS_JSON_ROW);
       vs_json_text(json, "chosen", text.text);
-      vs_json_text(json, "part", part_name(a, class));
+      vs_json_text(json, "part", vs_design_choices_part(a->d, class));
       vs_json_whole(json, "number", a->d->choice[k].number);
       vs_json_number(json, "price_each", class->price, 12);
       put_mark(a, "least", &a->least[k], json);
@@ -615,7 +573,8 @@ static void add_choice_row(const answer *a, size_t c, vs_text *line) {
   char number[64];
   double margin;
   add_option(a, a->s.answer, c, &text);
-  if (strcmp(text.text, part_name(a, class)) != 0) vs_text_add(&text, " (%s)", part_name(a, class));
+  if (strcmp(text.text, vs_design_choices_part(a->d, class)) != 0)
+    vs_text_add(&text, " (%s)", vs_design_choices_part(a->d, class));
   add_cell(line, a->d->choice[c].node->key, 20);
   add_cell(line, text.text, 22);
   snprintf(number, sizeof number, "%d", a->d->choice[c].number);
@@ -702,9 +661,45 @@ static void add_around(const answer *a, vs_text *text) {
                                                       : "");
 }
 
+static bool is_killed_so(const answer *a, const vs_design_candidate *c, uint64_t number,
+                         const char *line) {
+  double margin;
+  return c->state == VS_DESIGN_KILLED && c->killer.number == number &&
+         !strcmp(line_name(a, &c->killer, &margin), line);
+}
+
+/* Adds for each line, and the case that breaks it, how many candidates they reject, and which of
+ * them comes nearest. */
+static void add_killers(const answer *a, vs_text *text) {
+  const vs_design_search *s = &a->s;
+  double margin, here;
+  for (size_t k = 0; k < s->n_seen; k++) {
+    const vs_design_candidate *nearest = s->seen[k];
+    if (nearest->state != VS_DESIGN_KILLED) continue;
+    const uint64_t number = nearest->killer.number;
+    const char *line = line_name(a, &nearest->killer, &margin);
+    size_t n = 0, first = 0;
+    while (!is_killed_so(a, s->seen[first], number, line)) first++;
+    if (first < k) continue;
+    for (size_t i = k; i < s->n_seen; i++) {
+      if (!is_killed_so(a, s->seen[i], number, line)) continue;
+      n++;
+      line_name(a, &s->seen[i]->killer, &here);
+      if (here > margin) nearest = s->seen[i], margin = here;
+    }
+    vs_text_add(text, "%s%zu candidate%s; %s", text->length ? "" : "what rejects them\n", n,
+                n == 1 ? "" : "s", n == 1 ? "" : "the nearest: ");
+    vs_design_choices_write(a->d, a->plan, nearest->number, text);
+    add_violation(a, &nearest->killer, text);
+  }
+}
+
 static void add_page(answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
-  if (!s->answer) return;
+  if (!s->answer) {
+    add_killers(a, text);
+    return;
+  }
   vs_text_add(text, "%s: %s = %.6g of %llu candidates, after %llu runs\n",
               s->proved ? "cheapest that holds" : "best so far", a->d->aim->text, s->answer->price,
               (unsigned long long)a->d->n_candidates, (unsigned long long)a->results->count);

@@ -9,3 +9,6 @@
  * path. Those of an earlier answer go. Errors: a scene cannot be read, a file not be written. */
 vs_status vs_design_scene_write(const vs_plan *plan, const vs_results *results, const uint64_t *run,
                                 size_t n, const char *folder, vs_error *err);
+
+/* Adds the limits of the point's parts that no source says, or that it calls typical. */
+void vs_design_scene_unsure(const vs_plan *plan, const double *point, vs_text *text);

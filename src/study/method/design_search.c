@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "engine/tiers.h"
 #include "method/search.h"
 #include "method/span.h"
 #include "run/session.h"
@@ -241,6 +242,12 @@ static void make_room(const vs_design_search *s, vs_design_candidate *c) {
   c->room = s->n_list;
 }
 
+/* True if the run cannot begin, as a part of the candidate conducts at rest: it cannot hold. */
+static bool cannot_begin(const vs_design_search *s, uint64_t run) {
+  return s->results->status[run] == 1 &&
+         strstr(word_of(s->results, run, VS_RESULT_WHY), vs_tiers_on_at_rest);
+}
+
 /* Takes the run of a case that the list has in that place. One that is rejected already stays so.
  */
 static void take_run(vs_design_search *s, vs_design_candidate *c, size_t place, uint64_t run) {
@@ -253,7 +260,7 @@ static void take_run(vs_design_search *s, vs_design_candidate *c, size_t place, 
   const bool failed = s->results->status[run] == 1;
   const vs_hold_row row = vs_design_search_judge(s, run);
   bool doubtful = failed || row.now == VS_HOLD_UNDECIDED;
-  bool killed = !failed && row.now == VS_HOLD_VIOLATED;
+  bool killed = failed ? cannot_begin(s, run) : row.now == VS_HOLD_VIOLATED;
   mark = (vs_design_mark){number, run, row.weakest, row.margin, row.error};
   const size_t unknown = failed ? SIZE_MAX : take_stresses(s, c, number, run);
   if (unknown != SIZE_MAX && !doubtful && !killed)
