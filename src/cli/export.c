@@ -4,7 +4,6 @@
  * holds stands in brackets: ngspice pastes it as text. */
 #include "export.h"
 
-#include <assert.h>
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
@@ -747,9 +746,7 @@ static const vs_option EXPORT_OPTIONS[] = {
     VS_OPTIONS_FLAG(export_line, unit.with_program, "with-program",
                     "packs the program into the unit, which then needs no other"),
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_export_cli = {
     .name = "export",

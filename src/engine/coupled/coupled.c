@@ -24,7 +24,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "coupled/coupled.h"
 #include "coupled/settling.h"
 #include "coupled/signal_map.h"
@@ -35,6 +34,7 @@
 #include "engine/events.h"
 #include "engine/pace.h"
 #include "engine/signals.h"
+#include "engine/tiers.h"
 #include "netlist/location.h"
 #include "netlist/netlist.h"
 #include "plant/coil.h"
@@ -211,9 +211,9 @@ static vs_status take_operating_point(coupling *c, vs_error *err) {
   }
   return vs_fail(
       err, VS_RUN,
-      "t = 0 s: the coil carries a current at the deck's operating point, with its "
-      "switches off, and a run begins without one; a part beside the switch conducts: is "
-      "it the wrong way round, or below the supply's voltage?");
+      "%s, with its switches off, and a run begins without one; a part beside the switch "
+      "conducts: is it the wrong way round, or below the supply's voltage?",
+      vs_tiers_on_at_rest);
 }
 
 /* Takes the step's curvature of v, V/s^2, less what the rule was given back of it, for the length

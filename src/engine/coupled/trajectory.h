@@ -2,8 +2,7 @@
  * The trajectory of a run on tier "circuit": the machine's motion beside the circuit, the contacts
  * with its stop, the thyristor's firing and extinction, and every step as the observer is shown it.
  */
-#ifndef VS_ENGINE_TRAJECTORY_H
-#define VS_ENGINE_TRAJECTORY_H
+#pragma once
 
 #include <gsl/gsl_odeiv2.h>
 
@@ -112,5 +111,3 @@ void vs_trajectory_turn(vs_trajectory *trajectory, double by_s, const vs_setup *
  * `what` happens at its end, besides what the thyristor does. Errors: the observer's. */
 vs_status vs_trajectory_show(vs_trajectory *trajectory, const vs_knot *to, vs_event what,
                              vs_error *err);
-
-#endif

@@ -157,9 +157,11 @@ static vs_status name_case(void *ctx, const vs_folder_row *row, vs_error *err) {
   if (!isnan(at[0])) {
     vs_gnuplot_code(script, c->x ? "set label " : c->count ? ", " : "set xtics rotate by -35 (");
     vs_gnuplot_quoted(script, name.text);
-    if (c->x)
-      vs_gnuplot_add(script, " at first %.9g, first %.9g %s,0.5 front\n", at[0], at[1],
-                     at[0] > middle ? "right offset -0.8" : "offset 0.8");
+    if (c->x && at[0] > middle)
+      vs_gnuplot_add(script, " at first %.9g, first %.9g right offset -0.8,0.5 front\n", at[0],
+                     at[1]);
+    else if (c->x)
+      vs_gnuplot_add(script, " at first %.9g, first %.9g offset 0.8,0.5 front\n", at[0], at[1]);
     else
       vs_gnuplot_add(script, " %ld", row->number);
     c->count++;

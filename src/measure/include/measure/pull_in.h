@@ -4,8 +4,7 @@
  *
  * The stop is the one that a closing gap meets first (vs_stops_closing). The drive is on while the
  * supply has a voltage and, where the deck has ports pwm, the first of them is on. */
-#ifndef VS_MEASURE_PULL_IN_H
-#define VS_MEASURE_PULL_IN_H
+#pragma once
 
 #include "engine/step.h"
 #include "measure/extremes.h"
@@ -62,5 +61,3 @@ vs_value vs_pull_in_bounces(const vs_pull_in *pull);
 vs_value vs_pull_in_bounce_time(const vs_pull_in *pull);
 /* The size of the travel's rate at the first contact, m/s. */
 vs_value vs_pull_in_speed(const vs_pull_in *pull);
-
-#endif

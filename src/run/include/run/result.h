@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What one run of a scene came to, and what is to be warned of in it. */
-#ifndef VS_RUN_RESULT_H
-#define VS_RUN_RESULT_H
+#pragma once
 
 #include "control/loop.h"
 #include "measure/verdict.h"
@@ -92,5 +91,3 @@ bool vs_result_steps_are_short(const vs_result *result, char *text, size_t size)
  * nothing fires is not said of a run shorter than a cycle of the mains: whoever asks for one does
  * not wait for a firing. */
 void vs_result_warn(const vs_result *result);
-
-#endif
