@@ -368,7 +368,8 @@ typedef struct search {
   char *path; /* of the best so far */
   bool found; /* one whose name is the same but for capitals */
   bool exact; /* the very name */
-  char **all; /* every name, for what may have been meant */
+  char **all; /* every name that begins as it does, for what may have been meant: the first letter
+                 of a part's name says what it is, as in BC337 and AC03, or 1N4007 */
   size_t count;
 } search;
 
@@ -378,8 +379,10 @@ static void look_in_table(void *ctx, const char *path) {
   const char *name = vs_catalogue_name(path, &n);
   const bool alike = strlen(s->name) == n && !strncasecmp(name, s->name, n),
              same = alike && !strncmp(name, s->name, n);
-  s->all = vs_alloc_grow(s->all, s->count, sizeof *s->all);
-  s->all[s->count++] = vs_alloc_part(name, n);
+  if (!strncasecmp(name, s->name, 1)) {
+    s->all = vs_alloc_grow(s->all, s->count, sizeof *s->all);
+    s->all[s->count++] = vs_alloc_part(name, n);
+  }
   if (strlen(path) >= VS_PATH_SIZE || !(same ? !s->exact : alike && !s->found)) return;
   snprintf(s->path, VS_PATH_SIZE, "%s", path);
   s->found = true;

@@ -11,6 +11,6 @@ enum { VS_ENGINEERING_SIZE = 48 };
 const char *vs_engineering_text(double value, const char *unit, char text[VS_ENGINEERING_SIZE]);
 
 /* Writes both ends of a range with one unit, that of the larger one, and returns the text:
- * "-244.2 .. 264.9 um". */
+ * "-244.2 um .. 264.9 um". */
 const char *vs_engineering_range(double least, double largest, const char *unit,
                                  char text[2 * VS_ENGINEERING_SIZE]);
