@@ -87,6 +87,8 @@ void vs_study_plot_axis(const vs_study_plot *k, size_t column, char axis, vs_scr
  * near; the limit is drawn as a line. */
 void vs_study_plot_range(const vs_study_plot *k, size_t column, char axis, bool from_zero,
                          vs_picture *p);
+/* Puts the points that lie below the range at its lower end, each with its number. */
+void vs_study_plot_below(const vs_study_plot *k, size_t column, vs_dots *series, vs_picture *p);
 /* Adds the points as the data block $NAME. With `gaps` the line is interrupted where cases are
  * missing. */
 void vs_study_plot_data(vs_script *script, const char *name, const vs_dots *series, bool gaps);
