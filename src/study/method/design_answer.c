@@ -464,7 +464,7 @@ static void put_neighbours(const answer *a, vs_json *json) {
     vs_json_object(json, NULL, VS_JSON_ROW);
     vs_json_text(json, "key", a->d->choice[n->choice].node->key);
     vs_json_text(json, "chosen", text.text);
-    if (n->below) vs_json_text(json, "part", part_name(a, n->below));
+    if (n->below) vs_json_text(json, "part", vs_design_choices_part(a->d, n->below));
     vs_json_number(json, "price", n->price, 12);
     vs_json_text(json, "verdict", n->below ? "violated" : state_word(n->candidate));
     if (n->killed) put_mark(a, "killer", &n->killer, json);
@@ -631,7 +631,7 @@ static void add_neighbour_row(const answer *a, const vs_design_neighbour *n, vs_
   const vs_design_candidate *c = n->candidate;
   vs_text_add(text, "%-20s  ", a->d->choice[n->choice].node->key);
   if (n->below)
-    vs_text_add(text, "as %s", part_name(a, n->below));
+    vs_text_add(text, "as %s", vs_design_choices_part(a->d, n->below));
   else
     add_option(a, c, n->choice, text);
   if (n->killed)
