@@ -432,7 +432,8 @@ static void draw_element(vs_html *out, const layout *l, int element, int x, int 
   vs_html_add(out,
               "<path transform=\"translate(%d,%d) rotate(%d)\" stroke=\"%s\" "
               "stroke-width=\"%s\" d=\"%s\"/>\n",
-              x, y, turn, colour, text->colour ? "2.2" : "1.5", symbol_of(l->deck, &l->c.element[element]));
+              x, y, turn, colour, text->colour ? "2.2" : "1.5",
+              symbol_of(l->deck, &l->c.element[element]));
   for (int k = 0; k < text->lines; k++)
     if (level)
       draw_text(out, x, k ? y + 15 + LINE * k : y - 20, "middle", colour, text->line[k]);
