@@ -76,8 +76,7 @@ void vs_design_choices_write(const vs_design *d, const vs_plan *plan, uint64_t k
   }
 }
 
-bool vs_design_choices_makes(const vs_design_choice *c, const vs_deck *deck,
-                             const vs_device *device) {
+static bool makes(const vs_design_choice *c, const vs_deck *deck, const vs_device *device) {
   return !strcmp(device->name, c->device) ||
          (device->part >= 0 && !strcmp(deck->parts[device->part].name, c->device));
 }
@@ -87,7 +86,7 @@ bool vs_design_choices_makes_line(const vs_design_choice *c, const vs_deck *deck
   const size_t n = strcspn(line, ".");
   for (size_t k = 0; k < deck->n_devices; k++)
     if (strlen(deck->devices[k].name) == n && !strncmp(deck->devices[k].name, line, n))
-      return vs_design_choices_makes(c, deck, &deck->devices[k]);
+      return makes(c, deck, &deck->devices[k]);
   return false;
 }
 
@@ -529,7 +528,7 @@ static vs_status find_lacked(const vs_plan *plan, vs_design_choice *c, const vs_
     const vs_device *device = &deck->devices[k];
     int term;
     double factor;
-    if (!vs_design_choices_makes(c, deck, device)) continue;
+    if (!makes(c, deck, device)) continue;
     if (c->n_lacked == VS_DESIGN_DEVICES)
       return vs_fail_at(err, none->where, "%s: or: none: it makes more than %d devices",
                         c->node->key, VS_DESIGN_DEVICES);

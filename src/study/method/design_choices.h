@@ -97,10 +97,8 @@ void vs_design_choices_write_option(const vs_design *d, const vs_plan *plan, uin
 /* Writes "TYN1212, s20k510, 330 ohm, 47 nF". */
 void vs_design_choices_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_text *text);
 
-/* True if the device is made of the choice: its name is what the key ends in, or its part's is. */
-bool vs_design_choices_makes(const vs_design_choice *choice, const vs_deck *deck,
-                             const vs_device *device);
-/* True if the verdict's line is of such a device. */
+/* True if the verdict's line is of a device that is made of the choice: its name is what the key
+ * ends in, or its part's is. */
 bool vs_design_choices_makes_line(const vs_design_choice *choice, const vs_deck *deck,
                                   const char *line);
 /* The part's name in the list of prices, or "none". */
