@@ -15,7 +15,6 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "base/shutdown.h"
 #include "base/units.h"
 #include "commands.h"
 #include "netlist/cards.h"
@@ -779,9 +778,7 @@ static const vs_option CURE_OPTIONS[] = {
     VS_OPTIONS_FLAG(cure_line, run.all, "all", "also shows the changes that do not cure it"),
     VS_OPTIONS_ALLOW_CODE,
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_cure_cli = {
     .name = "cure",

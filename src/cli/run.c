@@ -5,17 +5,18 @@
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
-#include <signal.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "base/alloc.h"
 #include "base/file.h"
 #include "base/shutdown.h"
 #include "commands.h"
+#include "engine/budget.h"
 #include "ngspice/crash_guard.h"
 #include "orbit/steady.h"
 #include "report/plot.h"
@@ -136,29 +137,31 @@ static vs_status run_corners(const vs_run_options *o, const vs_scene *nominal, v
 
 /* ---- the files of a run, and its progress ---- */
 
+/* A row of events.csv. */
+typedef struct event_row {
+  double at_s;
+  char *what; /* owned */
+} event_row;
+
 /* What the command adds to a run: its files and its progress line. */
 typedef struct audience {
   const vs_run_options *options;
   const vs_run_more *more; /* what another command adds; NULL: nothing */
   const vs_scene *scene;
   vs_file csv, peaks, events, summary,
-      raw;  /* closed where there is no folder; raw also where it is not asked for */
-  int made; /* how many folders were made for the output */
+      raw;         /* closed where there is no folder; raw also where it is not asked for */
+  int made;        /* how many folders were made for the output */
+  event_row *rows; /* [n_rows], in the order of time: some are told later than others; owned */
+  size_t n_rows;
   vs_table table;
   vs_table_peaks found;    /* what became of peaks.csv, once the files are closed */
   double began_s, shown_s; /* wall clock: of the run, of the last progress line */
   bool show_progress;
 } audience;
 
-static double wall_clock_s(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static void print_progress(audience *a, double t_s, long steps) {
   if (!a->show_progress || steps % 256) return;
-  double now = wall_clock_s(), spent = now - a->began_s, until = a->scene->setup.run.until_s;
+  double now = vs_budget_clock_s(), spent = now - a->began_s, until = a->scene->setup.run.until_s;
   if (spent < 1 || now - a->shown_s < 0.25) return;
   a->shown_s = now;
   dprintf(STDERR_FILENO, "\r%5.1f %%  t = %.4g s of %.4g s, %.0f s left \033[K", 100 * t_s / until,
@@ -170,15 +173,41 @@ static bool is_told_by_devices(const vs_devices *devices, vs_event event) {
   return devices && devices->tells && (event == VS_EV_FIRES || event == VS_EV_EXTINCT);
 }
 
-/* Writes what happened to the devices in the steps that the watchers have looked at: in those
+/* Takes a row of events.csv, behind those of the same instant. */
+static void add_event(audience *a, double at_s, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static void add_event(audience *a, double at_s, const char *format, ...) {
+  char what[256];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(what, sizeof what, format, args);
+  va_end(args);
+  a->rows = vs_alloc_grow(a->rows, a->n_rows, sizeof *a->rows);
+  size_t k = a->n_rows++;
+  for (; k && a->rows[k - 1].at_s > at_s; k--) a->rows[k] = a->rows[k - 1];
+  a->rows[k] = (event_row){at_s, vs_copy(what)};
+}
+
+/* Frees the rows; `out`: writes them before, unless it is NULL. */
+static void end_events(audience *a, FILE *out) {
+  for (size_t k = 0; k < a->n_rows; k++) {
+    if (out) fprintf(out, "%.*g,%s\n", a->options->digits, a->rows[k].at_s, a->rows[k].what);
+    free(a->rows[k].what);
+  }
+  free(a->rows);
+  a->rows = NULL;
+  a->n_rows = 0;
+}
+
+/* Takes what happened to the devices in the steps that the watchers have looked at: in those
  * before the last one, or in that. They look where the step has an event of its own. */
-static void write_incidents(const audience *a, const vs_watchers *w, bool last) {
+static void take_incidents(audience *a, const vs_watchers *w, bool last) {
   const vs_devices *d = w->devices;
   if (!a->events.stream || !d) return;
   for (size_t k = 0; k < d->n_incidents; k++) {
     const vs_incident *i = &d->incidents[k];
     if ((i->step >= d->here) != last) continue;
-    fprintf(a->events.stream, "%.*g,%s %s\n", a->options->digits, i->at_s, i->device, i->what);
+    add_event(a, i->at_s, "%s %s", i->device, i->what);
   }
 }
 
@@ -198,7 +227,7 @@ static const char *name_stop(const vs_step *step, int k) {
 }
 
 /* What is switched on and off once, without a carrier. */
-static void tell_switching(const audience *a, const vs_step *step) {
+static void tell_switching(audience *a, const vs_step *step) {
   const vs_setup *s = &a->scene->setup;
   const vs_pwm_values *p = &s->timeline.pwm;
   const double at_s[] = {p->on_s, p->off_s > 0 ? p->off_s : INFINITY};
@@ -207,8 +236,7 @@ static void tell_switching(const audience *a, const vs_step *step) {
     return;
   for (int k = 0; k < 2; k++)
     if (at_s[k] >= step->from->t_s && at_s[k] < step->to->t_s)
-      fprintf(a->events.stream, "%.*g,switched %s\n", a->options->digits, at_s[k],
-              k ? "off" : "on");
+      add_event(a, at_s[k], "switched %s", k ? "off" : "on");
 }
 
 static vs_status accept_step_for_files(void *ctx, const vs_step *step, const vs_result *result,
@@ -230,18 +258,17 @@ static vs_status accept_step_for_files(void *ctx, const vs_step *step, const vs_
   a->table.measures = result->watchers.measures;
   if (a->table.between) status = vs_table_accept(&a->table, step, err);
   const vs_devices *devices = result->watchers.devices;
-  write_incidents(a, &result->watchers, false);
+  take_incidents(a, &result->watchers, false);
   tell_switching(a, step);
   for (int k = 0; a->events.stream && k < 2; k++)
     if (step->event[k] != VS_EV_NONE && !is_told_by_devices(devices, step->event[k]))
-      fprintf(a->events.stream, "%.*g,%s%s\n", a->options->digits, step->event_s[k],
-              WHAT[step->event[k]], name_stop(step, k));
+      add_event(a, step->event_s[k], "%s%s", WHAT[step->event[k]], name_stop(step, k));
   const vs_events *events = &a->scene->setup.timeline.events;
   for (size_t k = 0; a->events.stream && k < events->count; k++)
     if (events->item[k].start_s >= step->from->t_s && events->item[k].start_s < step->to->t_s)
-      fprintf(a->events.stream, "%.*g,%s begins (%s)\n", a->options->digits,
-              events->item[k].start_s, events->item[k].name, events->item[k].kind->name);
-  write_incidents(a, &result->watchers, true);
+      add_event(a, events->item[k].start_s, "%s begins (%s)", events->item[k].name,
+                events->item[k].kind->name);
+  take_incidents(a, &result->watchers, true);
   print_progress(a, step->to->t_s, result->steps);
   return status;
 }
@@ -263,6 +290,7 @@ static vs_status open_files(audience *a, vs_error *err) {
   a->table.stream = a->csv.stream;
   a->table.peaks = a->peaks.stream;
   vs_table_begin(&a->table);
+  end_events(a, NULL);
   fputs("t_s,what\n", a->events.stream);
   return VS_OK;
 }
@@ -354,6 +382,7 @@ static void keep_partial(audience *a, vs_error *err) {
 }
 
 static void discard_files(audience *a) {
+  end_events(a, NULL);
   vs_file_discard(&a->summary);
   vs_file_discard(&a->raw);
   vs_file_discard(&a->events);
@@ -390,6 +419,7 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
   if (a->raw.stream) status = vs_file_commit(&a->raw, err);
   if (!status) status = vs_file_commit(&a->csv, err);
   if (!status) status = close_peaks(a, err);
+  if (!status) end_events(a, a->events.stream);
   if (!status) status = vs_file_commit(&a->events, err);
   if (!status) status = vs_file_commit(&a->summary, err);
   discard_files(a);
@@ -429,7 +459,7 @@ static vs_status begin_files(void *ctx, vs_scene *scene, vs_error *err) {
   scene->order.raw = a->raw.stream;
   scene->order.raw_where = until ? until->where : (vs_where){0};
   scene->order.unbegun = can_begin_anew(a);
-  a->began_s = wall_clock_s();
+  a->began_s = vs_budget_clock_s();
   a->shown_s = 0;
   return status;
 }
@@ -557,7 +587,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   vs_status status = vs_steady_run(&session, scene, result, err);
   vs_shutdown_mode_set(VS_SHUTDOWN_WHEN_KEPT);
   end_progress(&a);
-  for (int last = 0; last < 2 && !status; last++) write_incidents(&a, &result->watchers, last);
+  for (int last = 0; last < 2 && !status; last++) take_incidents(&a, &result->watchers, last);
   result->corners = o->judged;
   vs_causes *causes = NULL;
   if (!status && o->why && result->verdict.count)
@@ -646,9 +676,7 @@ static const vs_option RUN_OPTIONS[] = {
                     "run.partial.raw"),
     VS_OPTIONS_ALLOW_CODE,
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_run_cli = {
     .name = "run",

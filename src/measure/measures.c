@@ -8,8 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "engine/gate.h"
+#include "netlist/devices.h"
+#include "netlist/kinds.h"
 
 /* ---- names ---- */
 
@@ -180,7 +181,7 @@ vs_measures *vs_measures_new(const vs_frame *frame, const vs_measure_set *wants)
     for (int sense = -1; sense <= 1; sense += 2) add_measured_extreme(m, c, sense);
   if (wants) leave_idle(m, wants);
   for (int k = 0; k < VS_DECK_MOST; k++) m->passed_s[k] = NAN;
-  m->fired_s = m->extinct_s = m->refired_s = NAN;
+  m->fired_s = m->extinct_s = m->refired_s = m->rested_s = NAN;
   m->drives_s = frame->timeline->firing.no_valve ? 0 : NAN;
   m->solver = vs_checked(gsl_root_fsolver_alloc(gsl_root_fsolver_brent));
   return m;
@@ -275,14 +276,47 @@ static double sharpness(const vs_measures *m, int probe, int which) {
   return pair[which].best.known && size > 0 ? pair[which].stands / size : 0;
 }
 
+/* What a probe may go to either way: the bound of its rating, or the limit of the device whose peak
+ * it is; INFINITY: nothing is said. */
+static double allowed_of_probe(const vs_deck *deck, int probe) {
+  const int term = deck->probes[probe].term;
+  double most = INFINITY;
+  for (size_t k = 0; k < deck->n_ratings; k++)
+    if (deck->ratings[k].probe == probe)
+      most = fmin(most, fmin(fabs(deck->ratings[k].min), fabs(deck->ratings[k].max)));
+  for (size_t d = 0; d < deck->n_devices; d++) {
+    const vs_device *of = &deck->devices[d];
+    for (size_t m = 0; of->kind && m < of->kind->n_measures; m++) {
+      const vs_device_measure *peak = &of->kind->measures[m];
+      int own;
+      double factor;
+      if (peak->how != VS_R_PEAK || !peak->limit ||
+          !vs_formula_is_term(peak->of == VS_OF_I ? &of->current : &of->voltage, &own, &factor) ||
+          own != term)
+        continue;
+      const vs_limit *limit = vs_devices_own_limit(deck, of, peak->limit);
+      if (limit) most = fmin(most, limit->value / fabs(factor));
+    }
+  }
+  return most;
+}
+
+/* An extreme that is as uncertain as it stands out, and yet far from all that it is held against.
+ */
+static const double FAR = 0.1;
+static bool is_of_no_account(const vs_measures *m, int probe, int which) {
+  const vs_extreme *e = &vs_measures_of_probe(m, probe)[which];
+  return fabs(e->best.value) + e->stands < FAR * allowed_of_probe(m->frame->deck, probe);
+}
+
 bool vs_measures_are_sharp(const vs_measures *m, char *text, size_t size) {
   const vs_deck *deck = m->frame->deck;
   int worst = -1, which = 0, count = 0;
   for (int k = 0; deck && k < 2 * (int)deck->n_probes; k++) {
     double sharp = sharpness(m, k / 2, k % 2);
-    if (sharp > SHARP) count++;
-    if (sharp > SHARP && (worst < 0 || sharp > sharpness(m, worst, which)))
-      worst = k / 2, which = k % 2;
+    if (!(sharp > SHARP) || is_of_no_account(m, k / 2, k % 2)) continue;
+    count++;
+    if (worst < 0 || sharp > sharpness(m, worst, which)) worst = k / 2, which = k % 2;
   }
   if (worst < 0) return false;
   const vs_extreme *e = &vs_measures_of_probe(m, worst)[which];
@@ -401,7 +435,10 @@ static void follow_event(vs_measures *m, vs_event event, double t_s) {
     m->swing.known = false;
   } else if (event == VS_EV_FIRES && isnan(m->refired_s))
     m->refired_s = t_s;
-  if (event == VS_EV_EXTINCT && isnan(m->extinct_s)) m->extinct_s = t_s;
+  if (event == VS_EV_EXTINCT && isnan(m->fired_s))
+    m->rested_s = t_s; /* of a conduction that was there as the run began */
+  else if (event == VS_EV_EXTINCT && isnan(m->extinct_s))
+    m->extinct_s = t_s;
   if (event == VS_EV_LOADS && !isnan(m->extinct_s) && isnan(m->refired_s)) m->refired_s = t_s;
   if (event == VS_EV_JAMS) m->jammed = true;
 }
@@ -476,9 +513,11 @@ void vs_measures_finish(const vs_measures *m, vs_value values[VS_MEASURES]) {
   values[VS_M_GAP_FIRST] = m->first;
   values[VS_M_GAP_SECOND] = m->second;
   if (!isnan(m->fired_s)) values[VS_M_T_FIRE] = (vs_value){true, m->fired_s, NAN};
-  if (!isnan(m->extinct_s)) {
-    values[VS_M_T_EXTINCTION] = (vs_value){true, m->extinct_s, NAN};
-    values[VS_M_CONDUCTION] = (vs_value){true, m->extinct_s - m->fired_s, NAN};
+  double extinct_s = m->extinct_s; /* on an orbit it may be the next period's */
+  if (isnan(extinct_s) && m->frame->at_work) extinct_s = m->rested_s + m->frame->means.to_s;
+  if (!isnan(extinct_s) && !isnan(m->fired_s)) {
+    values[VS_M_T_EXTINCTION] = (vs_value){true, extinct_s, NAN};
+    values[VS_M_CONDUCTION] = (vs_value){true, extinct_s - m->fired_s, NAN};
   }
   if (m->crossings >= 2)
     values[VS_M_F_RESONANCE] =

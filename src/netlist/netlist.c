@@ -20,7 +20,6 @@
 #include "lint/subcircuits.h"
 #include "netlist/cards.h"
 #include "netlist/catalogue.h"
-#include "netlist/contract.h"
 #include "netlist/devices.h"
 #include "netlist/eva.h"
 #include "netlist/kinds.h"
@@ -440,13 +439,15 @@ static vs_status add_series(vs_deck *deck, const vs_node *section, vs_error *err
     for (size_t k = 0; k < deck->section.count; k++)
       known = known || !strcmp(deck->section.fields[k].key, key);
     if (known || node->kind != VS_NODE_TEXT) continue;
+    if (!*node->text)
+      return vs_fail_at(err, node->where, "circuit.%s: a part is wanted, or none", key);
     if (deck->n_parts >= VS_DECK_PARTS)
       return vs_fail_at(err, node->where, "more than %d parts", VS_DECK_PARTS);
     const vs_field field = {.key = key,
                             .kind = VS_NAME,
                             .unit = "",
                             .default_text = node->text,
-                            .text = "the series that it is of, for its limits",
+                            .text = "the series that it is of, for its limits; or none",
                             .offset =
                                 offsetof(vs_circuit_values, parts) + deck->n_parts * VS_NAME_SIZE};
     status = vs_deck_add_field(deck, &field, node->where, err);
@@ -460,6 +461,7 @@ static vs_status add_series(vs_deck *deck, const vs_node *section, vs_error *err
 }
 
 vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error *err) {
+  const size_t declared = deck->n_parts; /* by the deck; the others are series */
   vs_status status = vs_error_keep(err, add_series(deck, section, err));
   for (size_t p = 0, k = 1; p < deck->n_parts && !status; k++) {
     const vs_field *field = &deck->section.fields[k];
@@ -467,8 +469,11 @@ vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error 
     const vs_node *node = vs_tree_child(section, field->key);
     bool given = node && node->kind == VS_NODE_TEXT;
     vs_where where = given ? node->where : deck->parts[p].where;
-    status = vs_error_keep(err, take_part(deck, section, &deck->parts[p++],
-                                          given ? node->text : field->default_text, where, err));
+    if (p >= declared && !strcmp(given ? node->text : field->default_text, "none"))
+      p++;
+    else
+      status = vs_error_keep(err, take_part(deck, section, &deck->parts[p++],
+                                            given ? node->text : field->default_text, where, err));
   }
   if (!status) status = vs_parts_resolve(deck, err);
   if (!status) status = vs_devices_resolve(deck, err);

@@ -58,7 +58,7 @@ static void add_verdict_line(vs_html *html, const vs_node *line) {
   vs_text_free(&name);
   vs_margin_bars_stress(line, &stress, &limit);
   add_amount(html, stress, unit, "");
-  add_amount(html, limit, unit, vs_margin_bars_assumed(line) ? " (assumed)" : "");
+  add_amount(html, limit, unit, vs_margin_bars_unsure(line));
   add_percent(html, vs_member_number(vs_tree_child(line, "margin")));
   vs_html_cell(html, vs_run_pair_word(line));
   add_percent(html, vs_member_number(vs_tree_child(line, "margin_error")));
@@ -270,22 +270,37 @@ static void add_parameters(vs_html *html, const vs_node *summary) {
 
 /* ---- energy flow: where the energy of a run went, as a table with bars ---- */
 
-/* The flows of energy; an indented one is a part of the one above it. */
+/* The flows of energy; an indented one is a part of the one above it. ends: it has no parts. */
 static const struct {
   const char *key, *text;
   int depth;
-} FLOWS[] = {{"source_J", "from the source", 0},
-             {"losses_J", NULL, 1},
-             {"stores_J", NULL, 1},
-             {"eva_J", "into the EVA", 1},
-             {"copper_J", "heat in the winding", 2},
-             {"magnetic_J", "stored in the field", 2},
-             {"work_force_J", "work of the force", 2},
-             {"damping_J", "lost in dampers", 3},
-             {"stop_J", "lost in stops", 3},
-             {"mechanical_J", "stored in motion and springs", 3}};
+  bool ends;
+} FLOWS[] = {{"source_J", "from the source", 0, false},
+             {"losses_J", NULL, 1, true},
+             {"stores_J", NULL, 1, true},
+             {"eva_J", "into the EVA", 1, false},
+             {"copper_J", "heat in the winding", 2, true},
+             {"magnetic_J", "stored in the field", 2, true},
+             {"work_force_J", "work of the force", 2, false},
+             {"damping_J", "lost in dampers", 3, true},
+             {"stop_J", "lost in stops", 3, true},
+             {"mechanical_J", "stored in motion and springs", 3, true}};
 
-/* Adds a row, with its share of the largest flow as a bar. A flow of 0 is left out. */
+/* All that was given: by the source, and by what has less than 0, as a generator or a store has
+ * that it came from. */
+static double energy_given(const vs_node *energy) {
+  double given = fmax(vs_member_number(vs_tree_child(energy, FLOWS[0].key)), 0);
+  for (size_t k = 1; k < sizeof FLOWS / sizeof *FLOWS; k++) {
+    const vs_node *node = vs_tree_child(energy, FLOWS[k].key);
+    if (!node || !FLOWS[k].ends) continue;
+    if (FLOWS[k].text) given += fmax(-vs_member_number(node), 0);
+    for (const vs_node *m = FLOWS[k].text ? NULL : node->child; m; m = m->next)
+      given += fmax(-vs_member_number(m), 0);
+  }
+  return given;
+}
+
+/* Adds a row, with its share of what was given as a bar. A flow of 0 is left out. */
 static void add_energy_row(vs_html *html, const char *text, int depth, double joule, double whole) {
   char amount[VS_ENGINEERING_SIZE], part[32] = "< 0.01 %";
   double share = joule / whole;
@@ -313,11 +328,8 @@ static void add_accounts(vs_html *html, const vs_node *accounts, const char *wha
 
 /* Adds the section. energy: that member of summary.json; NULL: nothing is added. */
 static void add_energy_flow(vs_html *html, const vs_node *energy) {
-  double whole = 0;
   if (!energy) return;
-  for (size_t k = 0; k < sizeof FLOWS / sizeof *FLOWS; k++)
-    if (FLOWS[k].text)
-      whole = fmax(whole, fabs(vs_member_number(vs_tree_child(energy, FLOWS[k].key))));
+  const double whole = energy_given(energy);
   vs_html_add(html,
               "<section id=\"energy\">\n<h2>Energy flow</h2>\n<div class=\"wide\"><table>"
               "<tr><th>what</th><th>energy</th><th>share</th><th class=\"bars\"></th></tr>\n");
@@ -329,9 +341,9 @@ static void add_energy_flow(vs_html *html, const vs_node *energy) {
       add_accounts(html, vs_tree_child_map(energy, FLOWS[k].key),
                    !strcmp(FLOWS[k].key, "losses_J") ? "lost in" : "stored in", whole);
   }
-  vs_html_add(html,
-              "</table></div>\n<p class=\"of\">Shares are of the largest of these. What is 0 is "
-              "left out. The audit: ");
+  vs_html_add(
+      html, "</table></div>\n<p class=\"of\">Shares are of all that was given: by the source, and "
+            "by each that has less than 0. What is 0 is left out. The audit: ");
   vs_html_text(html, vs_member_word(energy, "audit"));
   vs_html_add(html, ".</p>\n</section>\n");
 }

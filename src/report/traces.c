@@ -28,6 +28,20 @@ bool vs_traces_here(const char *folder) {
          is_there(folder, "summary.json");
 }
 
+vs_status vs_traces_none(const char *folder, int why, vs_error *err) {
+  if (is_there(folder, "run.partial.csv"))
+    return vs_fail(err, VS_INPUT, "%s: the run did not end well; only run.partial.csv is there",
+                   folder);
+  if (is_there(folder, "journal"))
+    return vs_fail(err, VS_INPUT,
+                   "%s: this study is not finished; 'vibrospice study STUDY -o %s --resume' (of a "
+                   "design: 'vibrospice design') goes on with it",
+                   folder, folder);
+  return vs_fail(err, VS_INPUT,
+                 "%s/run.csv: cannot be opened: %s; 'vibrospice run SCENE -o %s' makes it", folder,
+                 strerror(why), folder);
+}
+
 /* ---- what is drawn ---- */
 
 /* Compares the file's header with `header`, and counts its rows. */
@@ -236,12 +250,7 @@ vs_status vs_traces_read(const char *folder, vs_traces *t, vs_error *err) {
   if (status) return status;
   FILE *f = fopen(t->path, "r");
   int why = errno;
-  if (!f && is_there(folder, "run.partial.csv"))
-    return vs_fail(err, VS_INPUT, "%s: the run did not end well; only run.partial.csv is there",
-                   folder);
-  if (!f)
-    return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; 'vibrospice run SCENE -o %s' makes it",
-                   t->path, strerror(why), folder);
+  if (!f) return vs_traces_none(folder, why, err);
   status = read_rows(folder, t, f, err);
   fclose(f);
   return status;

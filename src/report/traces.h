@@ -2,8 +2,7 @@
  * The curves that a run has recorded: run.csv of its folder, read into memory. If the curves have
  * peaks between the rows of run.csv, peaks.csv beside it has the same rows and more (run/table.h);
  * that is the file to draw. */
-#ifndef VS_REPORT_TRACES_H
-#define VS_REPORT_TRACES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -26,6 +25,10 @@ typedef struct vs_traces {
 /* True if the folder has a run's files: run.csv, run.partial.csv or summary.json, and no
  * manifest.json of a study. */
 bool vs_traces_here(const char *folder);
+
+/* Says why a folder has no run.csv, which could not be opened for `why`: a run that did not end
+ * well, a study that was broken off, or nothing. */
+vs_status vs_traces_none(const char *folder, int why, vs_error *err);
 
 /* Reads the file. Errors, VS_INPUT, with their line: there is no file, or only that of a run that
  * failed; the first column is not t_s; a row has more or fewer cells than the header, a cell is no
@@ -52,5 +55,3 @@ int vs_traces_like(const vs_traces *traces, const vs_column *other);
 /* Return the value of a column in that row, and the row's time, s. */
 double vs_trace_value(const vs_traces *traces, size_t row, int column);
 double vs_trace_time(const vs_traces *traces, size_t row);
-
-#endif

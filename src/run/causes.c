@@ -5,14 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/units.h"
 #include "branches.h"
+#include "lacks.h"
 #include "netlist/kinds.h"
 #include "run/engineering.h"
 
-/* What is looked at: a value at an instant; its rise over the stretch that a rate is the mean of; a
- * sum or mean over time, which is told by its largest current or voltage. */
-typedef enum form { AT_INSTANT, RISE, OVER_TIME } form;
+/* What is looked at: a value at an instant; a sum or mean over time, which is told by its largest
+ * current or voltage; the stretch that a rate is the mean of, which for a fall ends at at_s. */
+typedef enum form { AT_INSTANT, OVER_TIME, RISE, FALL } form;
 
 /* Before the stretch of a rate the circuit is looked at from so long on, s: a solver's step may
  * begin before the stretch. Steps near what changes within a microsecond are shorter. */
@@ -50,8 +50,10 @@ typedef struct cause {
   bool told;
   double total, found_s, sum_error; /* by which the sum of the shares is above the total */
   vs_shares shares;
-  char note[256];  /* why there are no shares; empty: there are */
-  vs_text assumed; /* the figures without a source that the line depends on: "a.i2t, b.i_cm" */
+  char note[256]; /* why there are no shares; empty: there are */
+  vs_text assumed,
+      typical; /* the figures that the line depends on and that are that: "a.i2t, b.i_cm"
+                */
 } cause;
 
 struct vs_causes {
@@ -86,8 +88,9 @@ static form form_of(const vs_device_measure *m) {
   case VS_R_MISFIRE:
   case VS_R_UNINTENDED:
   case VS_R_COMMUTATION_FAILURE:
-  case VS_R_FALL:
     return AT_INSTANT;
+  case VS_R_FALL:
+    return FALL;
   case VS_R_STEEPEST:
   case VS_R_RISE:
   case VS_R_OFF_RATE:
@@ -136,7 +139,7 @@ static void look_at_device(vs_causes *c, cause *k, const vs_device_measure *m) {
     if (isnan(k->at_s)) k->at_s = peak_of_device(c->result, k->device, k->voltage = true);
   }
   if (k->form == RISE) k->over_s = stretch_of(c, k);
-  if (m->how == VS_R_FALL) k->at_s -= 50e-6; /* of a current that is 0 at the end of its fall */
+  if (k->form == FALL) k->over_s = vs_slope_fall_s;
   if (isnan(k->at_s))
     snprintf(k->note, sizeof k->note, "no instant is known at which it is decided");
   if (m->how == VS_R_OFFERED)
@@ -221,9 +224,9 @@ static void add_cause(vs_causes *c, const vs_judgement *j) {
   } else if (!j->name || !look_at_measure(c, k, j->name)) {
     look_at_probe(c, k, j->name ? j->name : "");
   }
-  const double ahead_s = k->form == RISE ? AHEAD_S : 0;
+  const double ahead_s = k->form >= RISE ? AHEAD_S : 0;
   k->from_s = k->at_s - 1.5 * k->over_s - ahead_s;
-  k->to_s = k->at_s + 1.5 * k->over_s;
+  k->to_s = k->at_s + (k->form == RISE ? 1.5 * k->over_s : 0);
   find_event(c, k);
   if (!isnan(k->to_s) && !*k->note) c->last_s = fmax(c->last_s, k->to_s);
 }
@@ -399,12 +402,13 @@ static void signals_at(const vs_causes *c, const cause *k, double t_s, double *s
     signals[s] = a->signals[s] + part * (b->signals[s] - a->signals[s]);
 }
 
-/* Finds the beginning of the stretch of that length with the largest rise: one of its ends is at a
- * moment. `from` and `to` become the signals at its ends. Returns the beginning, s. */
+/* Finds the beginning of the stretch of that length that falls to zero, or has the largest rise:
+ * one of its ends is at a moment. `from` and `to` become the signals at its ends. Returns the
+ * beginning, s. */
 static double find_stretch(const vs_causes *c, const cause *k, double *from, double *to) {
-  double best = -INFINITY, best_s = k->at_s;
+  double best = -INFINITY, best_s = k->at_s - (k->form == FALL ? k->over_s : 0);
   const int sense = k->of->measure ? k->of->measure->sense : 0;
-  for (size_t n = 0; n < 2 * k->n_seen; n++) {
+  for (size_t n = 0; n < 2 * k->n_seen && k->form == RISE; n++) {
     const double t_s = k->seen[n / 2].t_s - (n % 2 ? k->over_s : 0);
     if (t_s < k->seen[0].t_s || t_s + k->over_s > k->seen[k->n_seen - 1].t_s) continue;
     if (fabs(t_s + k->over_s / 2 - k->at_s) > 1.6 * k->over_s) continue;
@@ -482,8 +486,8 @@ static bool share_current(vs_causes *c, cause *k, const double *signals) {
 static bool is_met(const cause *k) {
   static const double NEAR = 0.1;
   const vs_device_measure *m = k->of->measure;
-  const double told = fabs(k->of->stress.value) * (k->form == RISE ? k->over_s : 1);
-  const bool same = k->form == RISE || (m ? m->how == VS_R_PEAK : k->term >= 0 || k->coil);
+  const double told = fabs(k->of->stress.value) * (k->form >= RISE ? k->over_s : 1);
+  const bool same = k->form >= RISE || (m ? m->how == VS_R_PEAK : k->term >= 0 || k->coil);
   return !same || fabs(fabs(k->total) - told) <= NEAR * told;
 }
 
@@ -494,12 +498,12 @@ static void work_out(vs_causes *c, cause *k) {
   size_t node[2];
   double sum = 0;
   if (k->term >= 0) k->device = device_of_probe(c, k);
-  if (k->form == RISE && k->n_seen > 1) {
+  if (k->form >= RISE && k->n_seen > 1) {
     k->found_s = find_stretch(c, k, from, to);
     k->total = value_of(c, k, to) - value_of(c, k, from);
     for (size_t s = 0; s < n; s++) to[s] -= from[s];
   } else {
-    k->form = k->form == RISE ? AT_INSTANT : k->form;
+    k->form = k->form >= RISE ? AT_INSTANT : k->form;
     memcpy(to, k->seen[0].signals, n * sizeof *to);
     k->found_s = k->seen[0].t_s;
     k->total = value_of(c, k, to);
@@ -596,43 +600,6 @@ static const double SMALL = 0.01;
 /* What the shares leave of the whole is told beyond this part of it. */
 static const double TOLD = 1e-3;
 
-/* Adds a name to a list, unless it is there. */
-static void add_once(vs_text *list, const char *device, const char *name) {
-  char own[2 * VS_DECK_NAME + 8];
-  snprintf(own, sizeof own, "%s%s%s", device, *device ? "." : "", name);
-  const size_t n = strlen(own);
-  for (const char *at = list->text; list->length && (at = strstr(at, own)); at += n)
-    if ((at == list->text || at[-1] == ' ') && (!at[n] || at[n] == ',')) return;
-  vs_text_add(list, "%s%s", list->length ? ", " : "", own);
-}
-
-/* Lists the figures without a source that a line depends on: its limit, and those of parts that a
- * share comes from, as far as their models are made of them. */
-static void list_assumed(const vs_causes *c, cause *k) {
-  const vs_deck *deck = deck_of(c);
-  vs_text *list = &k->assumed;
-  char name[VS_JUDGED_NAME];
-  if (k->of->assumed && k->of->limit && k->of->device)
-    add_once(list, k->of->device->name, k->of->limit->name);
-  else if (k->of->assumed)
-    add_once(list, "", vs_verdict_name(k->of, name));
-  for (size_t n = 0; n < k->shares.count && n < SHOWN; n++)
-    for (size_t d = 0; d < deck->n_devices; d++) {
-      const vs_device *of = &deck->devices[d];
-      const size_t length = strlen(of->name);
-      const char *share = k->shares.item[n].of;
-      if (strncmp(share, of->name, length) || (share[length] && share[length] != '\'') ||
-          of->part < 0 || !deck->parts[of->part].file)
-        continue;
-      for (size_t m = 0; m < deck->n_limits; m++) {
-        const vs_limit *l = &deck->limits[m];
-        if (l->assumed && l->where.file == deck->parts[of->part].file &&
-            vs_kinds_is_hung_on(of->kind->name, l->name, NULL))
-          add_once(list, of->name, l->name);
-      }
-    }
-}
-
 vs_status vs_causes_find(const vs_result *result, vs_causes_run *run,
                          const volatile sig_atomic_t *stop, vs_causes **causes, vs_error *err) {
   vs_causes *c = *causes = vs_alloc(1, sizeof *c);
@@ -642,7 +609,10 @@ vs_status vs_causes_find(const vs_result *result, vs_causes_run *run,
   vs_status status = look_at_lines(c, run, stop, err);
   for (size_t k = 0; k < c->count; k++) {
     cause *one = &c->item[k];
-    list_assumed(c, one);
+    vs_lacks_list(&c->branches, deck_of(c), one->of, &one->shares, SHOWN, VS_ASSUMED,
+                  &one->assumed);
+    vs_lacks_list(&c->branches, deck_of(c), one->of, &one->shares, SHOWN, VS_TYPICAL,
+                  &one->typical);
     if (!one->told && !*one->note)
       snprintf(one->note, sizeof one->note, "the run for it did not reach its instant");
   }
@@ -655,6 +625,7 @@ void vs_causes_free(vs_causes *c) {
   for (size_t k = 0; k < c->count; k++) {
     free(c->item[k].seen);
     vs_text_free(&c->item[k].assumed);
+    vs_text_free(&c->item[k].typical);
   }
   vs_branches_free(&c->branches);
   free(c->more);
@@ -667,9 +638,9 @@ static void show_shares(const cause *k, FILE *out) {
   char text[VS_ENGINEERING_SIZE];
   double rest = 0;
   size_t n_rest = 0;
-  if (k->form == RISE) fputs("a rise of ", out);
+  if (k->form >= RISE) fprintf(out, "a %s of ", k->form == FALL ? "fall" : "rise");
   fputs(vs_engineering_text(vs_text_rounded(k->total, 3), unit, text), out);
-  if (k->form == RISE) fprintf(out, " within %s", vs_engineering_text(k->over_s, "s", text));
+  if (k->form >= RISE) fprintf(out, " within %s", vs_engineering_text(k->over_s, "s", text));
   fprintf(out, " at %s, made of", vs_engineering_text(k->found_s, "s", text));
   for (size_t n = 0; n < k->shares.count; n++) {
     const vs_share *s = &k->shares.item[n];
@@ -721,6 +692,7 @@ static char *text_of(const cause *k) {
   show_happening(&k->event, k->at_s, out);
   show_happening(&k->deed, k->at_s, out);
   if (k->assumed.length) fprintf(out, "; assumed: %s", k->assumed.text);
+  if (k->typical.length) fprintf(out, "; typical: %s", k->typical.text);
   vs_alloc_stream_close(out);
   return text;
 }
@@ -755,7 +727,7 @@ static void add_happening(vs_json *json, const happening *h, double at_s) {
 }
 
 void vs_causes_json(const vs_causes *c, const vs_judgement *of, vs_json *json) {
-  static const char *const FORMS[] = {"value", "rise", "largest of a sum over time"};
+  static const char *const FORMS[] = {"value", "largest of a sum over time", "rise", "fall"};
   const cause *one = NULL;
   for (size_t k = 0; c && k < c->count; k++)
     if (c->item[k].of == of) one = &c->item[k];
@@ -764,7 +736,7 @@ void vs_causes_json(const vs_causes *c, const vs_judgement *of, vs_json *json) {
   if (one->told) {
     vs_json_text(json, "of", FORMS[one->form]);
     vs_json_number(json, "at_s", one->found_s, 9);
-    if (one->form == RISE) vs_json_number(json, "over_s", one->over_s, 9);
+    if (one->form >= RISE) vs_json_number(json, "over_s", one->over_s, 9);
     if (one->form == OVER_TIME && one->sum > 0) {
       vs_json_number(json, "most_from_s", one->part_from_s, 9);
       vs_json_number(json, "most", one->part / one->sum, 6);
@@ -787,13 +759,7 @@ void vs_causes_json(const vs_causes *c, const vs_judgement *of, vs_json *json) {
   add_happening(json, &one->event, one->at_s);
   add_happening(json, &one->deed, one->at_s);
   vs_json_end(json);
-  vs_json_array(json, "assumed", VS_JSON_ROW);
-  for (const char *name = one->assumed.text; name && *name; name += strspn(name, ", ")) {
-    char *own = vs_alloc_part(name, strcspn(name, ","));
-    vs_json_text(json, NULL, own);
-    free(own);
-    name += strcspn(name, ",");
-  }
-  vs_json_end(json);
+  vs_lacks_json("assumed", one->assumed.text, json);
+  if (one->typical.length) vs_lacks_json("typical", one->typical.text, json);
   vs_json_end(json);
 }

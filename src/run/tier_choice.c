@@ -6,8 +6,6 @@
 #include <string.h>
 
 #include "measure/instruments.h"
-#include "netlist/devices.h"
-#include "netlist/parts.h"
 #include "plant/coil.h"
 
 /* ---- which tier ---- */
@@ -221,15 +219,19 @@ static bool obeys(const vs_tier *tier, const vs_tier_key *key) {
   return false;
 }
 
+/* The default of a key of the section run; empty: it is no such key. */
+static const char *default_of(const char *section, const vs_node *node) {
+  const vs_section *run = &vs_setup_run_keys;
+  for (size_t k = 0; k < run->count && !strcmp(section, run->name); k++)
+    if (!strcmp(run->fields[k].key, node->key)) return run->fields[k].default_text;
+  return "";
+}
+
 /* A key of the section run that the scene gives its default: to ignore it changes nothing. A study
  * of a scene with another value takes it back so. */
 static bool is_default(const char *section, const vs_node *node) {
-  const vs_section *run = &vs_setup_run_keys;
-  if (strcmp(section, run->name) || node->kind != VS_NODE_TEXT) return false;
-  for (size_t k = 0; k < run->count; k++)
-    if (!strcmp(run->fields[k].key, node->key))
-      return !strcmp(run->fields[k].default_text, node->text);
-  return false;
+  return node->kind == VS_NODE_TEXT && *node->text &&
+         !strcmp(default_of(section, node), node->text);
 }
 
 static vs_status refuse_ignored_key(const asked *s, const char *section, const vs_node *node,
@@ -239,8 +241,9 @@ static vs_status refuse_ignored_key(const asked *s, const char *section, const v
     return vs_error_keep(
         err, vs_fail_at(err, node->key_where,
                         "%s.%s: tier %s (%s) does not run ngspice and would ignore it; take tier "
-                        "%s, or leave the key at its default",
-                        section, node->key, s->tier->name, s->why, vs_tiers_circuit()));
+                        "%s, or the key's default: --set %s.%s=%s",
+                        section, node->key, s->tier->name, s->why, vs_tiers_circuit(), section,
+                        node->key, default_of(section, node)));
   if (s->tier->has_circuit)
     return vs_error_keep(
         err, vs_fail_at(err, node->key_where,

@@ -57,9 +57,10 @@ vs_status vs_study_check_read(const vs_check_options *o, const vs_method *const 
   }
   if (!status && !vs_error_count(err)) {
     vs_plan_method(plan, method, sizeof method);
-    vs_text_add(good, "a good study: %s, %s%llu cases of %zu axes, %zu columns; tier %s (%s)",
-                method, plan->adaptive ? "at most " : "", (unsigned long long)plan->count,
-                plan->n_axes, count_asked(plan), plan->first->tier->name, plan->first->why);
+    vs_text_add(good, "a good study: %s, %s%llu cases of %zu %s, %zu columns; tier %s (%s)", method,
+                plan->adaptive ? "at most " : "", (unsigned long long)plan->count, plan->n_axes,
+                plan->n_axes == 1 ? "axis" : "axes", count_asked(plan), plan->first->tier->name,
+                plan->first->why);
     vs_control_describe(&plan->first->control, good);
     if (!rests) {
       vs_text_add(good, "; its first case (");

@@ -157,6 +157,17 @@ static vs_status read_any(const vs_threat *t, vs_axis *axis, const vs_scene *sce
   return any_number(axis, node, err);
 }
 
+/* Error: the range falls. Of an angle it may be meant to lead on through 0 deg, which it does not.
+ */
+static vs_status check_rise(const vs_axis *axis, const vs_node *node, vs_error *err) {
+  if (!axis->ranged || axis->n_values || axis->from < axis->to) return VS_OK;
+  return vs_fail_at(
+      err, node->where,
+      "%s: the range goes down, from %.6g to %.6g %s; the lesser end first is wanted%s", axis->key,
+      axis->from, axis->to, axis->unit,
+      strcmp(axis->unit, "deg") ? "" : ", and past 360 deg another threat");
+}
+
 static vs_status add_range(vs_threat *t, const vs_scene *scene, const vs_field *field,
                            const vs_node *node, vs_error *err) {
   if (t->n_ranges == VS_THREAT_RANGES)
@@ -172,6 +183,7 @@ static vs_status add_range(vs_threat *t, const vs_scene *scene, const vs_field *
   axis->is_word = field->kind & (VS_CHOICE | VS_NAME);
   vs_status status =
       is_any(node) ? read_any(t, axis, scene, node, err) : vs_axis_values(axis, node, err);
+  if (!status) status = check_rise(axis, node, err);
   if (status) t->n_ranges--;
   if (status) vs_axis_free(axis);
   return status;

@@ -79,12 +79,6 @@ static void write_study(const char *method, const char *more, long n, sample (*a
   vs_text_free(&manifest);
 }
 
-static int count_words(const char *text, const char *word) {
-  int n = 0;
-  for (const char *s = text; (s = strstr(s, word)); s += strlen(word)) n++;
-  return n;
-}
-
 static void expect_words(const char *path, const char *const *words, size_t count, int line) {
   char *text = read_file(path);
   for (size_t k = 0; k < count; k++)

@@ -3,12 +3,10 @@
 
 #include <math.h>
 #include <string.h>
-#include <strings.h>
 
 #include "engine/events.h"
 #include "engine/gate.h"
 #include "netlist/cards.h"
-#include "netlist/devices.h"
 #include "netlist/kinds.h"
 
 static double current_at(const vs_anode_current *m, const vs_knot *k) {
@@ -416,6 +414,7 @@ static void add(vs_anode *a, const vs_deck *deck, const vs_probe *probe, const v
                  : vs_formula_prepare(&device->current);
     vs_conduction_begin(&m->conduction);
     m->conduction.recovers = recovers;
+    m->conduction.both_ways = device && device->kind->both_ways;
   }
 }
 

@@ -71,7 +71,7 @@ void vs_conduction_wind(vs_conduction *c, double by_s) {
 }
 
 bool vs_conduction_asks(const vs_conduction *c, double i_a) {
-  return !c->conducts || (c->recovers && i_a <= LEAKAGE_A);
+  return !c->conducts || ((c->recovers || c->both_ways) && i_a <= LEAKAGE_A);
 }
 
 /* Of all that it drew while it blocked in parts of the voltage the least counts: a capacitance's
@@ -120,9 +120,10 @@ static double leakage(double v_v) {
 }
 
 void vs_conduction_resume(vs_conduction *c, double i_a, double v_v) {
-  bool recovers = c->recovers;
+  const bool recovers = c->recovers, both_ways = c->both_ways;
   vs_conduction_begin(c);
   c->recovers = recovers;
+  c->both_ways = both_ways;
   c->conducts = i_a > CONDUCTS_A + leakage(v_v);
   c->peak_a = c->conducts ? i_a : 0;
 }
@@ -224,14 +225,15 @@ static bool is_over(vs_conduction *c, const vs_conduction_step *s, bool may_go_o
 
 /* True where the conduction goes out; *event_s is when its current ended. A device that recovers
  * and is still gated may take its current up again: it goes out only once the current has stayed
- * away for AT_ONCE_S. Until then the end found first waits in c->out_s, and is forgotten where the
- * current comes back. */
+ * away for AT_ONCE_S, and one that conducts both ways once its voltage or its gate pulse has gone,
+ * as its gate's current and a ring of its snubber flow there the other way. Until then the end
+ * found first waits in c->out_s, and is forgotten where the current comes back. */
 static bool goes_out(vs_conduction *c, const vs_conduction_step *s, double *event_s) {
-  bool may_go_on = c->recovers && c->gated && is_on_state(s->v1_v);
+  const bool may_go_on = (c->recovers || c->both_ways) && c->gated && is_on_state(s->v1_v);
   double out_s = c->out_s;
   bool over = is_over(c, s, may_go_on, &out_s);
   c->out_s = over ? out_s : NAN;
-  if (!over || (may_go_on && s->t1_s < out_s + AT_ONCE_S)) return false;
+  if (!over || (may_go_on && (c->both_ways || s->t1_s < out_s + AT_ONCE_S))) return false;
   *event_s = out_s;
   c->out_s = c->low_s = NAN;
   return true;

@@ -12,7 +12,6 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/gnuplot.h"
-#include "base/text.h"
 #include "plot/overlay.h"
 #include "plot/sheets.h"
 #include "traces.h"
@@ -33,19 +32,12 @@ typedef struct run_file {
 } run_file;
 
 static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
-  char partial[VS_PATH_SIZE];
   snprintf(run->path, sizeof run->path, "%s/run.csv", folder);
-  snprintf(partial, sizeof partial, "%s/run.partial.csv", folder);
   vs_status status = vs_path_check_result(run->path, err);
   if (status) return status;
   FILE *f = fopen(run->path, "r");
   int why = errno;
-  if (!f && !access(partial, R_OK))
-    return vs_fail(err, VS_INPUT, "%s: the run did not end well; only run.partial.csv is there",
-                   folder);
-  if (!f)
-    return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; 'vibrospice run SCENE -o %s' makes it",
-                   run->path, strerror(why), folder);
+  if (!f) return vs_traces_none(folder, why, err);
   size_t size = 0, row_size = 0;
   char *row = NULL;
   if (vs_alloc_row(&run->header, &size, VS_CSV_LONGEST, f) < 0) {

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/path.h"
-#include "base/text.h"
 #include "base/tree.h"
 #include "plant/machine.h"
 #include "traces.h"

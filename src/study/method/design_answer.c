@@ -9,11 +9,9 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
-#include "base/units.h"
 #include "method/design_scene.h"
 #include "method/design_search.h"
 #include "method/search.h"
-#include "netlist/kinds.h"
 
 typedef struct answer {
   const vs_plan *plan;
@@ -163,8 +161,7 @@ static void want_scenes(answer *a) {
   for (size_t c = 0; c < a->d->n_choices; c++) want_scene(a, a->least[c].run);
   for (size_t k = 0; k < s->n_worst; k++) want_scene(a, s->worst[k].mark.run);
   for (size_t k = 0; k < s->n_neighbours; k++)
-    if (s->neighbour[k].candidate->state == VS_DESIGN_KILLED)
-      want_scene(a, s->neighbour[k].candidate->killer.run);
+    if (s->neighbour[k].killed) want_scene(a, s->neighbour[k].killer.run);
   for (size_t n = 0; n < s->n_list; n++)
     for (size_t k = s->n_seen; k-- > 0;)
       if (s->seen[k]->state != VS_DESIGN_OPEN && s->seen[k]->state != VS_DESIGN_HOLDS &&
@@ -405,7 +402,7 @@ static void add_not_judged(const answer *a, vs_text *text) {
   }
   vs_text_add(text, "Not judged: %s.", all.length ? all.text : "nothing");
   for (int which = 0; which < 3; which++) add_lines(a, which, text);
-  vs_design_scene_assumed(a->plan, &a->results->points[a->s.weakest_run * a->plan->n_axes], text);
+  vs_design_scene_unsure(a->plan, &a->results->points[a->s.weakest_run * a->plan->n_axes], text);
   vs_text_free(&all);
 }
 
@@ -467,9 +464,10 @@ static void put_neighbours(const answer *a, vs_json *json) {
     vs_json_object(json, NULL, VS_JSON_ROW);
     vs_json_text(json, "key", a->d->choice[n->choice].node->key);
     vs_json_text(json, "chosen", text.text);
-    vs_json_number(json, "price", n->candidate->price, 12);
-    vs_json_text(json, "verdict", state_word(n->candidate));
-    if (n->candidate->state == VS_DESIGN_KILLED) put_mark(a, "killer", &n->candidate->killer, json);
+    if (n->below) vs_json_text(json, "part", vs_design_choices_part(a->d, n->below));
+    vs_json_number(json, "price", n->price, 12);
+    vs_json_text(json, "verdict", n->below ? "violated" : state_word(n->candidate));
+    if (n->killed) put_mark(a, "killer", &n->killer, json);
     vs_json_end(json);
     vs_text_free(&text);
   }
@@ -514,9 +512,7 @@ static void put_answer(const answer *a, vs_status status, vs_json *json) {
   vs_json_text(json, "least", a->d->aim->text);
   vs_json_number(json, "price", s->answer ? s->answer->price : NAN, 12);
   vs_json_number(json, "lower_bound",
-                 a->unjudged           ? NAN
-                 : status == VS_RATING ? vs_design_choices_dearest(a->d)
-                                       : vs_design_search_bound(s),
+                 status == VS_RATING ? vs_design_choices_dearest(a->d) : vs_design_search_bound(s),
                  12);
   vs_json_whole(json, "candidates", (int64_t)a->d->n_candidates);
   vs_json_whole(json, "looked_at", (int64_t)s->n_seen);
@@ -634,9 +630,12 @@ static void add_doubt(const answer *a, const vs_design_candidate *c, vs_text *te
 static void add_neighbour_row(const answer *a, const vs_design_neighbour *n, vs_text *text) {
   const vs_design_candidate *c = n->candidate;
   vs_text_add(text, "%-20s  ", a->d->choice[n->choice].node->key);
-  add_option(a, c, n->choice, text);
-  if (c->state == VS_DESIGN_KILLED)
-    add_violation(a, &c->killer, text);
+  if (n->below)
+    vs_text_add(text, "as %s", vs_design_choices_part(a->d, n->below));
+  else
+    add_option(a, c, n->choice, text);
+  if (n->killed)
+    add_violation(a, &n->killer, text);
   else if (c->held)
     vs_text_add(text, " holds the list, too, for %.6g\n", c->price);
   else if (c->state == VS_DESIGN_OPEN)
@@ -645,26 +644,10 @@ static void add_neighbour_row(const answer *a, const vs_design_neighbour *n, vs_
     add_doubt(a, c, text);
 }
 
-/* A lower class of a value's part, where the answer has not the lowest. */
-static void add_class_row(answer *a, size_t choice, vs_text *text) {
-  const size_t now = a->s.answer->class[choice];
-  const vs_design_choice *c = &a->d->choice[choice];
-  vs_design_mark least = {.run = UINT64_MAX};
-  if (c->leader != choice || !now) return;
-  const vs_design_class *below =
-      &c->option[vs_design_choices_option(a->d, a->s.answer->number, choice)].classes[now - 1];
-  for (size_t k = 0; k < a->d->n_choices; k++)
-    if (a->d->choice[k].leader == choice) take_class(a, k, below, &least);
-  if (least.run == UINT64_MAX) return;
-  vs_text_add(text, "%-20s  as %s", c->node->key, vs_design_choices_part(a->d, below));
-  add_violation(a, &least, text);
-}
-
-static void add_around(answer *a, vs_text *text) {
+static void add_around(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
   vs_text_add(text, "\none size smaller, or the part that is next in price\n");
   for (size_t k = 0; k < s->n_neighbours; k++) add_neighbour_row(a, &s->neighbour[k], text);
-  for (size_t c = 0; c < a->d->n_choices; c++) add_class_row(a, c, text);
   vs_text_add(text, "\nrunner-up             ");
   if (!s->runner_up) {
     vs_text_add(text, s->spent ? "not looked for to the end: the budget is spent\n"
@@ -672,8 +655,10 @@ static void add_around(answer *a, vs_text *text) {
     return;
   }
   vs_design_choices_write(a->d, a->plan, s->runner_up->number, text);
-  vs_text_add(text, ", for %.6g more, holds the list; it was neither searched nor drawn for\n",
-              s->runner_up->price - s->answer->price);
+  vs_text_add(text, ", for %.6g more, holds the list; it was neither searched nor drawn for%s\n",
+              s->runner_up->price - s->answer->price,
+              a->d->verify && !s->runner_up->verified ? ", nor run for the errors of its margins"
+                                                      : "");
 }
 
 static bool is_killed_so(const answer *a, const vs_design_candidate *c, uint64_t number,
@@ -750,9 +735,11 @@ static void add_unjudged(const answer *a, vs_text *text) {
 static vs_status end_design(const answer *a, vs_error *err) {
   const vs_design_search *s = &a->s;
   if (a->unjudged && (s->proved || s->looked_at_all))
-    return vs_fail(err, VS_RUN, "%zu %scandidate%s could not be judged; %s", a->unjudged,
-                   s->answer ? "cheaper " : "", a->unjudged > 1 ? "s" : "",
-                   s->answer ? "one of them may hold for less" : "no other one holds");
+    return vs_fail(err, VS_RUN,
+                   "%zu %scandidate%s could not be judged; %s, and nothing holds below %.6g",
+                   a->unjudged, s->answer ? "cheaper " : "", a->unjudged > 1 ? "s" : "",
+                   s->answer ? "one of them may hold for less" : "no other one holds",
+                   vs_design_search_bound(s));
   if (s->proved) return VS_OK;
   if (s->looked_at_all)
     return vs_fail(
@@ -760,12 +747,12 @@ static vs_status end_design(const answer *a, vs_error *err) {
         "nothing in the catalogue holds: all %llu candidates, up to %.6g, violate a case",
         (unsigned long long)a->d->n_candidates, vs_design_choices_dearest(a->d));
   char but[64] = "";
-  if (a->unjudged) snprintf(but, sizeof but, ", but for %zu that could not be judged", a->unjudged);
+  if (a->unjudged) snprintf(but, sizeof but, "; %zu could not be judged", a->unjudged);
   return vs_fail(err, VS_BUDGET,
                  "budget.runs = %llu is spent: nothing below %.6g holds%s%s; a larger budget, "
                  "in another folder, would look further",
-                 (unsigned long long)a->d->most_runs, vs_design_search_bound(s), but,
-                 s->answer ? ", and the best so far is not proved" : "");
+                 (unsigned long long)a->d->most_runs, vs_design_search_bound(s),
+                 s->answer ? ", and the best so far is not proved" : "", but);
 }
 
 vs_status vs_design_answer_publish(const vs_plan *plan, const vs_plan_stage *stage,
@@ -781,7 +768,10 @@ vs_status vs_design_answer_publish(const vs_plan *plan, const vs_plan_stage *sta
   const vs_status ended = end_design(a, &why);
   add_page(a, &text);
   add_unjudged(a, &text);
+  const size_t printed = text.length; /* the last sentence is printed as an error */
+  if (ended) vs_text_add(&text, "%s%s\n", printed ? "\n" : "", why.text);
   vs_status status = folder ? write_files(a, ended, &text, err) : VS_OK;
+  if (text.text) text.text[text.length = printed] = '\0';
   if (!status && !quiet) {
     fputs(text.text ? text.text : "", stdout);
     if (folder)

@@ -108,17 +108,31 @@ bool vs_design_choices_lacks(const vs_design *d, const double *point, const char
   return false;
 }
 
-/* True if an event of the scene has the source open from the start already. */
-static bool is_opened(const vs_tree *tree, const char *source) {
+/* The scene's event that opens the source, whenever it does; NULL: there is none. */
+static const vs_node *opening_of(const vs_tree *tree, const char *source) {
   const vs_node *events = vs_tree_child(tree->root, "events");
   for (const vs_node *e = events ? events->child : NULL; e; e = e->next) {
-    const vs_node *kind = vs_tree_child(e, "kind"), *element = vs_tree_child(e, "element"),
-                  *at = vs_tree_child(e, "at");
+    const vs_node *kind = vs_tree_child(e, "kind"), *element = vs_tree_child(e, "element");
     if (kind && kind->text && !strcmp(kind->text, "open") && element && element->text &&
-        !strcasecmp(element->text, source) && at && at->text && !strcmp(at->text, START))
-      return true;
+        !strcasecmp(element->text, source))
+      return e;
   }
-  return false;
+  return NULL;
+}
+
+/* Opens the source from the start, by the event that would open it later where there is one. */
+static void open_source(const char *source, const char *device, vs_where where, vs_tree *tree) {
+  const vs_node *later = opening_of(tree, source);
+  vs_node at = vs_tree_word("at", START, where), element = vs_tree_word("element", source, where),
+          kind = vs_tree_word("kind", "open", where);
+  vs_error never = {0};
+  char name[2 * VS_KEY_SIZE];
+  kind.next = &element;
+  element.next = &at;
+  snprintf(name, sizeof name, later ? "events.%.90s" : "events.without_%.90s",
+           later ? later->key : device);
+  const vs_node map = vs_tree_map(NULL, &kind);
+  vs_tree_graft(tree, name, &map, &never);
 }
 
 /* Adds the word to a list of the tree, unless it is there. */
@@ -144,26 +158,18 @@ static void add_to_list(vs_tree *tree, const char *key, const char *word, vs_whe
   vs_tree_free(&copy);
 }
 
-/* A part that is left out is its device's source opened from the start, and its device waived. What
- * a threat does to that source otherwise clashes with this, so that such a case is not judged. */
+/* A part that is left out is its device's source opened from the start, and its device waived. */
 void vs_design_choices_put(const vs_design *d, const vs_plan *plan, size_t choice,
                            const double *point, vs_tree *tree) {
   const vs_design_choice *c = &d->choice[choice];
   const size_t axis = c->tolerance ? c->tolerance - 1 : c->axis;
-  const vs_where where = c->node->where;
   if (!is_lacking(c, point)) {
     vs_axis_put(&plan->axes[axis], point[axis], 12, tree);
     return;
   }
   for (size_t k = 0; k < c->n_lacked; k++) {
-    const char *const KEYS[] = {"kind", "element", "at"}, *const value[] = {"open", c->source[k],
-                                                                            START};
-    add_to_list(tree, "waive", c->lacked[k], where);
-    for (int n = 0; n < 3 && !is_opened(tree, c->source[k]); n++) {
-      char key[VS_KEY_SIZE + 32];
-      snprintf(key, sizeof key, "events.without_%s.%s", c->lacked[k], KEYS[n]);
-      vs_tree_put(tree, key, value[n], where);
-    }
+    add_to_list(tree, "waive", c->lacked[k], c->node->where);
+    open_source(c->source[k], c->lacked[k], c->node->where, tree);
   }
 }
 
@@ -243,6 +249,11 @@ static vs_status read_limits(const vs_design *d, const vs_design_choice *c, vs_d
     class->limit[l] = NAN;
     if (!*vs_price_list_cell(&d->list, class->row, c->limit_column[l])->text) continue;
     status = vs_price_list_number(&d->list, class->row, c->limit_column[l], &class->limit[l], err);
+    if (!status && !(class->limit[l] > 0))
+      status = vs_fail_at(err, vs_price_list_cell(&d->list, class->row, c->limit_column[l])->where,
+                          "%s of %s: more than 0 is wanted, or an empty cell",
+                          d->list.title[c->limit_column[l]],
+                          vs_price_list_cell(&d->list, class->row, d->list.part)->text);
     class->limit[l] *= vs_units_factor(vs_kinds_limit_unit(c->measure[l]->limit));
   }
   return status;
@@ -630,6 +641,30 @@ static vs_status find_tolerance(const vs_plan *plan, vs_design_choice *c, vs_err
       c->node->key);
 }
 
+/* Error: two keys that do not go together, of which one would have no effect in silence. */
+static vs_status check_keys(const vs_axis *axis, const vs_node *choice, vs_error *err) {
+  static const char SAME[] = "same_as", SERIES[] = "series";
+  static const char *const BESIDE_SAME[] = {"kind", "parts",  SERIES, "from",
+                                            "to",   "values", "or",   NULL},
+                           *const BESIDE_PARTS[] = {SERIES, "from", "to", "values", NULL},
+                           *const BESIDE_SERIES[] = {"parts", "values", NULL},
+                           *const BESIDE_VALUES[] = {"parts", "from", "to", NULL};
+  const bool same = vs_tree_child(choice, SAME), word = axis->is_word;
+  const vs_node *key = NULL;
+  for (const char *const *no = same                            ? BESIDE_SAME
+                               : word                          ? BESIDE_PARTS
+                               : vs_tree_child(choice, SERIES) ? BESIDE_SERIES
+                                                               : BESIDE_VALUES;
+       !key && *no; no++)
+    key = vs_tree_child(choice, *no);
+  if (!key) return VS_OK;
+  return vs_fail_at(err, key->key_where, "%s: %s has no effect here; %s", axis->key, key->key,
+                    same   ? "only number goes with same_as"
+                    : word ? "parts: [...] lists parts by name"
+                           : "values: [...] is wanted, or series with from and to, or neither for "
+                             "all values of the list");
+}
+
 static vs_status read_choice(vs_plan *plan, vs_design *d, const vs_node *node, vs_error *err) {
   uint64_t number = 1;
   vs_axis *axis;
@@ -640,6 +675,7 @@ static vs_status read_choice(vs_plan *plan, vs_design *d, const vs_node *node, v
   vs_status status = vs_field_map_keys(node, node->key, &CHOICE, err);
   if (!status) status = vs_axis_whole(node, "number", 1, 1000, &number, err);
   if (!status) status = vs_plan_axis(plan, node, "catalogue", &axis, err);
+  if (!status && vs_error_count(err) == kept) status = check_keys(axis, node, err);
   if (status || vs_error_count(err) > kept) return status;
   vs_design_choice *c = &d->choice[d->n_choices];
   const char *dot = strrchr(node->key, '.');

@@ -2,8 +2,7 @@
  * The search of `design`: which parts hold all cases for the least money. A candidate is a choice
  * of an option for each key under `choose`; a case is a point of `operation` or a threat
  * (method/design_cases.h). */
-#ifndef VS_STUDY_DESIGN_CHOICES_H
-#define VS_STUDY_DESIGN_CHOICES_H
+#pragma once
 
 #include "method/design_cases.h"
 #include "study/hold.h"
@@ -120,5 +119,3 @@ vs_status vs_design_choices_read(vs_plan *plan, vs_design *d, const vs_node *sec
 /* Orders the candidates, once the choices are read. Error: they are too many. */
 vs_status vs_design_choices_rank(const vs_node *section, vs_design *d, vs_error *err);
 extern const vs_inside vs_design_choices_keys; /* of `choose` */
-
-#endif

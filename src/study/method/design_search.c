@@ -9,7 +9,6 @@
 #include "engine/tiers.h"
 #include "method/search.h"
 #include "method/span.h"
-#include "netlist/kinds.h"
 #include "run/session.h"
 
 /* Draws are asked for this many at a time. When the first is violated, the others were run in vain.
@@ -594,16 +593,31 @@ static vs_design_candidate *candidate_of(vs_design_search *s, uint64_t number) {
   return begin_candidate(s, number, rank);
 }
 
+/* The answer with the class below its own, which does not bear what the answer's bears. */
+static void add_class_below(vs_design_search *s, size_t choice) {
+  const vs_design_choice *c = &s->d->choice[choice];
+  vs_design_candidate below = *s->answer;
+  vs_design_neighbour n = {choice, s->answer, NULL, 0, true, {0}};
+  if (c->leader != choice || !below.class[choice]) return;
+  n.below = &c->option[vs_design_choices_option(s->d, below.number, choice)]
+                 .classes[--below.class[choice]];
+  n.price = vs_design_choices_price(s->d, below.number, below.class);
+  class_bears(s->d, &below, choice, n.below, &n.killer);
+  s->neighbour[s->n_neighbours++] = n;
+}
+
 static void look_around(vs_design_search *s) {
   for (size_t k = 0; k < s->d->n_choices && !s->waits; k++) {
     const size_t option = vs_design_choices_option(s->d, s->answer->number, k);
     if (s->d->choice[k].leader != k || !option) continue;
     vs_design_candidate *c =
         candidate_of(s, vs_design_choices_with(s->d, s->answer->number, k, option - 1));
-    s->neighbour[s->n_neighbours++] = (vs_design_neighbour){k, c};
     run_candidate(s, c, true);
+    s->neighbour[s->n_neighbours++] =
+        (vs_design_neighbour){k, c, NULL, c->price, c->state == VS_DESIGN_KILLED, c->killer};
     if (c->state == VS_DESIGN_HOLDS) c->state = VS_DESIGN_OPEN; /* it may be the runner-up */
   }
+  for (size_t k = 0; k < s->d->n_choices; k++) add_class_below(s, k);
   if (!s->waits) s->runner_up = find_cheapest(s, false);
 }
 
@@ -634,8 +648,7 @@ void vs_design_search_run(vs_design_search *s, const vs_design *d, const vs_plan
 double vs_design_search_bound(const vs_design_search *s) {
   double price = INFINITY;
   for (size_t k = 0; k < s->n_seen; k++)
-    if (s->seen[k]->state == VS_DESIGN_OPEN || s->seen[k]->state == VS_DESIGN_HOLDS)
-      price = fmin(price, s->seen[k]->price);
+    if (s->seen[k]->state != VS_DESIGN_KILLED) price = fmin(price, s->seen[k]->price);
   if (s->next_rank < s->d->n_candidates)
     price = fmin(price, vs_design_choices_price(s->d, s->d->order[s->next_rank], NULL));
   return price;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A scene or study file, which is YAML, as a tree of keys, lists and texts that remember where they
  * stood. */
-#ifndef VS_BASE_TREE_H
-#define VS_BASE_TREE_H
+#pragma once
 
 #include "base/error.h"
 
@@ -72,5 +71,3 @@ vs_where vs_tree_place(const vs_node *map, const char *key);
  * NULL. */
 vs_node vs_tree_word(const char *key, const char *text, vs_where where);
 vs_node vs_tree_map(const char *key, vs_node *child);
-
-#endif

@@ -14,14 +14,15 @@
  * direction, that is the instant at which the fall of the current, continued as it was, would have
  * come to zero. As long as the gate of a device that recovers is on and its voltage that of the
  * on-state, it takes up the current again: there it is extinct only if the current is not back
- * within 1 us.
+ * within 1 us. A device that conducts both ways may carry its gate's current or a ring's the other
+ * way meanwhile: it is extinct once its voltage or its gate pulse has gone and the current is not
+ * back.
  *
  * The trapezoidal rule does not damp what a jump leaves of a junction's displacement current: from
  * then on it goes up and down from step to step, about the current that flows. A current that does
  * so is taken as the mean over each step, which the rule has right. Taken at the knots, every other
  * one of them would look like a firing. */
-#ifndef VS_ENGINE_CONDUCTION_H
-#define VS_ENGINE_CONDUCTION_H
+#pragma once
 
 #include "engine/step.h"
 #include "netlist/devices.h"
@@ -33,19 +34,20 @@ typedef struct vs_conduction_step {
   double i0_a, i1_a, v0_v, v1_v;
 } vs_conduction_step;
 
-/* Begins with vs_conduction_begin. Others read it, and set `gated`
- * and `recovers` alone. */
+/* Begins with vs_conduction_begin. Others read it, and set `gated`, `recovers` and `both_ways`
+ * alone. */
 typedef struct vs_conduction {
   bool conducts;
   bool gated;    /* set by the owner before each step: a gate pulse is known to be there */
   bool recovers; /* set by the owner, behind vs_conduction_begin: it has a vs_conduction_turn_off */
-  double leak_s; /* conductance of the device while it blocks; NaN: not known yet */
-  double peak_a; /* of the present conduction, or of the last one */
-  double low_s;  /* while it conducts: since when the current is so low that it may be over; NaN:
-                    it is not */
-  double out_s;  /* the end of the conduction, which may go on yet; NaN: it has not ended */
-  double tail_s; /* how long the last conduction's current was as low before its zero */
-  double tail_a_s;           /* mean rate at which the current fell in that time */
+  bool both_ways;  /* set as `recovers` is: the device conducts both ways */
+  double leak_s;   /* conductance of the device while it blocks; NaN: not known yet */
+  double peak_a;   /* of the present conduction, or of the last one */
+  double low_s;    /* while it conducts: since when the current is so low that it may be over; NaN:
+                      it is not */
+  double out_s;    /* the end of the conduction, which may go on yet; NaN: it has not ended */
+  double tail_s;   /* how long the last conduction's current was as low before its zero */
+  double tail_a_s; /* mean rate at which the current fell in that time */
   double before_s, before_a; /* time and current at the beginning of the last step; NaN: none yet */
   int alternations; /* how many steps in a row the current turned back by half of the last change or
                        more */
@@ -81,7 +83,5 @@ double vs_conduction_current(const vs_conduction *c, double i_a, double v_v);
 
 /* Takes the next step, and returns VS_EV_FIRES, VS_EV_EXTINCT or VS_EV_NONE. *event_s becomes the
  * time of the event. A firing may lie many steps back; an extinction lies within the step, or up to
- * 1 us behind it, or before it. */
+ * 1 us behind it, or before it, by a gate pulse at most. */
 vs_event vs_conduction_follow(vs_conduction *c, const vs_conduction_step *step, double *event_s);
-
-#endif

@@ -3,8 +3,7 @@
  * (engine/setup.h) puts it into this table, into the choices of run.tier and into what --tier
  * takes.
  */
-#ifndef VS_ENGINE_TIERS_H
-#define VS_ENGINE_TIERS_H
+#pragma once
 
 #include "engine/sim.h"
 
@@ -41,5 +40,3 @@ extern const char vs_tiers_on_at_rest[];
 /* What a run of the product has: ngspice for its solver, the one-port
  * (engine/macromodel/oneport_macromodel.c) for its macromodel, no rawfile. */
 extern const vs_run_order vs_tiers_order;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Watcher that reduces a run to its measures while it goes on. Extremes (extremes.h) and
  * crossings are found by root-finding on the dense output, not by the largest sample. */
-#ifndef VS_MEASURE_MEASURES_H
-#define VS_MEASURE_MEASURES_H
+#pragma once
 
 #include <gsl/gsl_roots.h>
 #include <stdbool.h>
@@ -121,9 +120,10 @@ typedef struct vs_measures {
                       fires; NaN: not yet */
   double passed_s[VS_DECK_MOST]; /* when each of the deck's ratings was first passed; NaN: it was
                                     not */
-  double fired_s, extinct_s, refired_s; /* first firing, first extinction, second firing; NaN: not
-                                           yet */
-  vs_value first, second;               /* motion peaks of the travel */
+  double fired_s, extinct_s, refired_s; /* first firing, the extinction behind it, second firing;
+                                           NaN: not yet */
+  double rested_s;        /* extinction before the first firing; NaN: there was none */
+  vs_value first, second; /* motion peaks of the travel */
   /* rising zero crossings of the travel in the free swing: how many, and when the first and the
    * last were */
   double crossings, first_crossing_s, last_crossing_s;
@@ -164,5 +164,3 @@ extern const double vs_measures_ripple;
 
 /* Gives the values of all measures but the energies, values[VS_MEASURES]. */
 void vs_measures_finish(const vs_measures *measures, vs_value values[VS_MEASURES]);
-
-#endif
