@@ -11,7 +11,8 @@ enum {
   APART = 40,       /* words are at least a 40th of the width apart */
   CLOSE_UP = 8,     /* points of the words there, and in a strip that stands alone */
   ALONE = 12,
-  CROWD = 8 /* with more moments than this, equal words stand only once */
+  SINGLE = 300, /* with fewer rows in a window each can be told from the next */
+  CROWD = 8     /* with more moments than this, equal words stand only once */
 };
 
 static double time_scale(const vs_time_window *s) {
@@ -71,9 +72,22 @@ static void add_moments(const vs_time_window *s, size_t run, int words, int size
     vs_gnuplot_caption(script, now->what, room_pixels, size);
     vs_gnuplot_add(script,
                    " at first %.9g, graph 0.96 rotate by 90 right offset 0.7,0 font ',%d' tc "
-                   "rgb '#505050' front\n",
+                   "rgb '#505050' back\n",
                    scale * now->at_s, size);
   }
+}
+
+/* Adds the time axis' name, and how far the rows are apart where a picture shows single ones: an
+ * edge between two of them is drawn as a slope. */
+static void add_time_axis(const vs_time_window *s, vs_script *script) {
+  const vs_traces *t = &s->run[0].traces;
+  const double span = vs_trace_time(t, t->rows - 1) - vs_trace_time(t, 0),
+               apart = t->rows > 1 ? span / (double)(t->rows - 1) : 0;
+  vs_gnuplot_add(script, time_scale(s) > 1 ? "set xlabel 't / ms" : "set xlabel 't / s");
+  if (apart * SINGLE > s->to_s - s->from_s && apart > 0)
+    vs_gnuplot_add(script, "    (rows are %.3g ms apart, closer at peaks: run.sample)",
+                   1e3 * apart);
+  vs_gnuplot_add(script, "'\n");
 }
 
 /* Adds one strip. The first strip has the words, the last one the time axis; a strip that stands
@@ -91,8 +105,7 @@ static void add_strip(const vs_time_window *s, int probe, bool alone, vs_script 
                 alone ? ALONE : CLOSE_UP, script);
   vs_gnuplot_add(script, legend ? "set key tmargin right horizontal reverse Left samplen 2\n"
                                 : "unset key\n");
-  if (alone || probe + 1 == s->probes.count)
-    vs_gnuplot_add(script, time_scale(s) > 1 ? "set xlabel 't / ms'\n" : "set xlabel 't / s'\n");
+  if (alone || probe + 1 == s->probes.count) add_time_axis(s, script);
   vs_gnuplot_add(script, "set ylabel ");
   vs_gnuplot_quoted(script, p->label);
   vs_gnuplot_add(script, "\nplot ");
