@@ -175,17 +175,17 @@ static session *begin_session(const vs_study_options *o) {
 }
 
 static vs_results cases_results(const vs_cases *c, uint64_t count);
-
 /* Says of a study that a signal ended how to go on, and how far it came. */
 static void say_stopped(const session *s, vs_error *err) {
   const vs_plan_stage *stage = s->plan.adaptive;
   const vs_results results = cases_results(&s->cases, s->cases.answered);
   vs_text found = {0};
+  char of[32];
+  snprintf(of, stage ? 1 : sizeof of, " of %llu", (unsigned long long)s->total);
   vs_text_add(&found, stage && stage->method->say && results.count ? "; so far: " : "");
   if (found.length) stage->method->say(&s->plan, stage, &results, &found);
-  vs_fail(err, VS_SIGNAL, "stopped by a signal; --resume goes on: %llu of %s%llu cases are done%s",
-          (unsigned long long)(s->journal.done + s->journal.failed), stage ? "at most " : "",
-          (unsigned long long)s->total, found.text);
+  vs_fail(err, VS_SIGNAL, "stopped by a signal; --resume goes on: %llu%s cases are done%s",
+          (unsigned long long)(s->journal.done + s->journal.failed), of, found.text);
   vs_text_free(&found);
 }
 
