@@ -8,7 +8,7 @@
 #include <string.h>
 #include <zstd.h>
 
-#include "base/text.h"
+#include "base/alloc.h"
 
 /* The level of compression, from 1 to 19. Rows of numbers gain nothing from a higher one: 131,072
  * of them, of 21 columns, took 39 % of their bytes at level 1, 43 % at level 3, 41 % at level 9 in

@@ -8,7 +8,6 @@
 #include <sys/stat.h>
 
 #include "base/alloc.h"
-#include "base/text.h"
 
 /* What a byte leaves when it is shifted out is what its lower and its upper half leave together. */
 static const uint32_t LOWER[16] = {0x00000000, 0x77073096, 0xee0e612c, 0x990951ba,

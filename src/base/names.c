@@ -6,7 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "base/text.h"
+#include "base/alloc.h"
 
 /* FNV-1a (Fowler, Noll, Vo), of the lower case of ASCII as strncasecmp has it. */
 static uint64_t hash_of(const char *name, size_t size) {

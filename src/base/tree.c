@@ -393,17 +393,31 @@ vs_node vs_tree_map(const char *key, vs_node *child) {
   return map;
 }
 
+/* The map's child whose key has these n letters; NULL: there is none, or no map. */
+static vs_node *child_of(const vs_node *map, const char *key, size_t n) {
+  vs_node *child = map && map->kind == VS_NODE_MAP ? map->child : NULL;
+  while (child && (strncmp(child->key, key, n) != 0 || child->key[n])) child = child->next;
+  return child;
+}
+
 vs_where vs_tree_place(const vs_node *map, const char *key) {
   vs_where where = map ? map->where : (vs_where){0};
   while (map && *key) {
     size_t n = strcspn(key, ".");
-    const vs_node *child = map->kind == VS_NODE_MAP ? map->child : NULL;
-    while (child && (strncmp(child->key, key, n) != 0 || child->key[n])) child = child->next;
+    const vs_node *child = child_of(map, key, n);
     if (child && child->where.file) where = child->where;
     map = child;
     key += n + (key[n] == '.');
   }
   return where;
+}
+
+const vs_node *vs_tree_find(const vs_node *map, const char *key) {
+  for (size_t n; map && *key; key += n + (key[n] == '.')) {
+    n = strcspn(key, ".");
+    map = child_of(map, key, n);
+  }
+  return map;
 }
 
 const vs_node *vs_tree_child(const vs_node *map, const char *key) {
@@ -533,14 +547,34 @@ void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where wher
   graft(tree, key, &value);
 }
 
-void vs_tree_drop(vs_tree *tree, const char *key) {
-  vs_node **link = &tree->root->child;
-  while (*link && strcmp((*link)->key, key) != 0) link = &(*link)->next;
-  if (!*link) return;
-  vs_node *dropped = *link;
+static void drop_child(vs_node *map, const char *key, size_t n) {
+  vs_node **link = &map->child, *dropped = child_of(map, key, n);
+  if (!dropped) return;
+  while (*link != dropped) link = &(*link)->next;
   *link = dropped->next;
   dropped->next = NULL;
   free_nodes(dropped);
+}
+
+void vs_tree_drop(vs_tree *tree, const char *key) {
+  drop_child(tree->root, key, strlen(key));
+}
+
+void vs_tree_put_back(vs_tree *tree, const vs_tree *own, const char *key) {
+  const vs_node *from = own->root;
+  vs_node *map = tree->root;
+  vs_error never = {0};
+  for (const char *s = key; *s;) {
+    const size_t n = strcspn(s, ".");
+    from = child_of(from, s, n);
+    if (!from) {
+      if (map) drop_child(map, s, n);
+      return;
+    }
+    map = child_of(map, s, n);
+    s += n + (s[n] == '.');
+  }
+  vs_tree_graft(tree, key, from, &never);
 }
 
 /* Reads the text behind the sign as YAML. */

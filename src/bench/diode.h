@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a data sheet says of a diode, tried; also of one that stands inside another part. */
-#ifndef VS_BENCH_DIODE_H
-#define VS_BENCH_DIODE_H
+#pragma once
 
 #include "test_circuit.h"
 
@@ -20,5 +19,3 @@ void vs_diode_recovery(const vs_stand *stand, const vs_diode_plan *plan, vs_figu
  * blocking_voltage. `up` is the source's sign. */
 void vs_diode_breakdown(const vs_stand *stand, const char *wiring, const char *const name_limit[2],
                         int up, vs_figures *figures);
-
-#endif

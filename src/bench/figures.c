@@ -2,14 +2,12 @@
 #include "figures.h"
 
 #include <assert.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-#include "base/text.h"
 #include "netlist/parts.h"
 
 void vs_figures_free(vs_figures *f) {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Figures of a part: what its file asks for and what the test stand got, row by row, with curves of
  * what was seen. */
-#ifndef VS_BENCH_FIGURES_H
-#define VS_BENCH_FIGURES_H
+#pragma once
 
 #include "stand.h"
 
@@ -107,5 +106,3 @@ extern const vs_figures_kind vs_thyristor_kind, vs_triac_kind, vs_diode_kind, vs
     vs_transistor_mosfet, vs_transistor_igbt, vs_varistor_kind, vs_varistor_zener, vs_varistor_tvs,
     vs_fuse_kind, vs_passive_resistor, vs_passive_capacitor, vs_passive_snubber,
     vs_passive_electrolytic;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a data sheet says of a device that a gate's pulse fires and that then stays on: a thyristor,
  * and a triac in each of its directions. */
-#ifndef VS_BENCH_LATCHING_H
-#define VS_BENCH_LATCHING_H
+#pragma once
 
 #include "test_circuit.h"
 
@@ -57,5 +56,3 @@ void vs_latching_draw_on_state(const vs_stand *stand, const vs_latching_plan *pl
 
 /* The error of a device that was never on, so that nothing is to be said of it. */
 vs_status vs_latching_not_on(vs_error *err);
-
-#endif

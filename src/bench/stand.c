@@ -11,7 +11,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/text.h"
 #include "netlist/location.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"

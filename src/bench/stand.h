@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A test stand for one part: small circuits around it, each solved by ngspice in a child process,
  * which may die of it. No machine takes part. */
-#ifndef VS_BENCH_STAND_H
-#define VS_BENCH_STAND_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -53,5 +52,3 @@ void vs_stand_free(vs_stand_record *record);
 double vs_stand_at(const vs_stand_record *record, const double *column, double t_s);
 /* First instant after from_s at which v crosses level_v; NaN: none. */
 double vs_stand_crosses(const vs_stand_record *record, double from_s, double level_v);
-
-#endif

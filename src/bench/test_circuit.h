@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A part in one small circuit, and what of it becomes a figure or a curve: what the benches of all
  * kinds share. */
-#ifndef VS_BENCH_TEST_CIRCUIT_H
-#define VS_BENCH_TEST_CIRCUIT_H
+#pragma once
 
 #include "figures.h"
 
@@ -57,5 +56,3 @@ void vs_test_circuit_draw(vs_figures *figures, const vs_stand_record *record,
 
 /* The integral of v i over the record, J, within these instants. */
 double vs_test_circuit_energy(const vs_stand_record *record, double from_s, double to_s);
-
-#endif

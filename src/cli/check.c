@@ -506,9 +506,7 @@ static const vs_option CHECK_OPTIONS[] = {
                     "of a part also each figure of the bench, with further members"),
     VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing but findings"),
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_check_cli = {
     .name = "check",

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a command of the program is, and how the words behind it become its arguments. */
-#ifndef VS_CLI_COMMAND_H
-#define VS_CLI_COMMAND_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -79,5 +78,3 @@ vs_status vs_command_run(const vs_command *const *all, const vs_command *command
 
 /* Prints what the program is, its commands, an example of each, and its exit statuses. */
 void vs_command_print_usage(const vs_command *const *all, FILE *out);
-
-#endif

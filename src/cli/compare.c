@@ -32,12 +32,8 @@ static const vs_option COMPARE_OPTIONS[] = {
     VS_OPTIONS_OUTPUT("DIR",
                       "also writes a page, report.html, into DIR: both side by side, and of runs "
                       "the curves over one another"),
-    VS_OPTIONS_JSON,
-    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"),
-    VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_JSON, VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"),
+    VS_OPTIONS_JAIL, VS_OPTIONS_END};
 
 const vs_command vs_compare_cli = {
     .name = "compare",

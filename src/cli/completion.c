@@ -122,7 +122,7 @@ static vs_status completion_command(const void *given, vs_error *err) {
   return vs_fail(err, VS_INPUT, "completion: no shell '%s'; there are: bash, fish, zsh", shell);
 }
 
-static const vs_option COMPLETION_OPTIONS[] = {VS_OPTIONS_HELP, {0}};
+static const vs_option COMPLETION_OPTIONS[] = {VS_OPTIONS_END};
 
 const vs_command vs_completion_cli = {
     .name = "completion",

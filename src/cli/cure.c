@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `cure`: finds single changes of a part after which the verdict on a scene is held. A
- * change gives a resistor or capacitor of the deck another E value, or replaces a part that the
- * scene chooses by another one of its kind. Of each value the next one up and the next one down are
- * run first. Where one of them makes the verdict better, the values behind it are tried, too. A
- * change that seems to hold is proved by a run with the errors of its margins. */
+ * change gives a resistor or capacitor that the deck declares as a device another E value, or
+ * replaces a part that the scene chooses by another one of its kind; a place whose kind the deck
+ * leaves open takes any part that limits a voltage, a suppressor. Of each value the next one up and
+ * the next one down are run first. Where one of them makes the verdict better, the values behind it
+ * are tried, too. A change that seems to hold is proved by a run with the errors of its margins. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -14,7 +15,6 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "base/shutdown.h"
 #include "base/units.h"
 #include "commands.h"
 #include "netlist/cards.h"
@@ -90,7 +90,7 @@ static double shortfall_of(const vs_verdict *v) {
 }
 
 /* True where a limit was judged that the changed deck's part does not state: the change would only
- * hide the line. */
+ * hide the line. A part of another kind has limits of its own, and states some. */
 static bool hides_a_line(const cure *c, const vs_scene *changed, char *name) {
   const vs_verdict *v = &c->nominal->verdict;
   const vs_deck *own = &c->scene->setup.deck, *deck = &changed->setup.deck;
@@ -98,8 +98,11 @@ static bool hides_a_line(const cure *c, const vs_scene *changed, char *name) {
     const vs_judgement *j = &v->item[k];
     if (!j->device || !j->limit || vs_verdict_is_happening(j)) continue;
     const size_t d = (size_t)(j->device - own->devices);
-    if (d >= deck->n_devices || !vs_devices_limit(own, j->device, j->measure) ||
-        vs_devices_limit(deck, &deck->devices[d], j->measure))
+    if (d >= deck->n_devices || !vs_devices_limit(own, j->device, j->measure)) continue;
+    const vs_device *now = &deck->devices[d];
+    if (now->kind == j->device->kind
+            ? vs_devices_limit(deck, now, j->measure) != NULL
+            : now->part >= 0 && vs_parts_is_real(deck, deck->parts[now->part].file))
       continue;
     vs_verdict_name(j, name);
     return true;
@@ -139,6 +142,13 @@ static void take_verdict(const vs_verdict *v, change *k) {
   if (breach) vs_verdict_name(breach, k->breaks);
 }
 
+/* Counts a run, and tells of it on a terminal. */
+static void show_progress(cure *c, const char *what, const char *to) {
+  c->runs++;
+  if (!c->o->quiet && isatty(STDERR_FILENO))
+    dprintf(STDERR_FILENO, "\rrun %ld: %s %s \033[K", c->runs, what, to);
+}
+
 /* Runs the scene with the change; proof: with the errors of its margins. A failure is noted in the
  * change. Error: VS_SIGNAL. */
 static vs_status try_change(cure *c, change *k, bool proof, vs_error *err) {
@@ -155,9 +165,7 @@ static vs_status try_change(cure *c, change *k, bool proof, vs_error *err) {
     status = vs_fail(&why, VS_INPUT, "%s", text);
   if (!status && hides_a_line(c, scene, text))
     status = vs_fail(&why, VS_INPUT, "the part states no limit for %s", text);
-  c->runs += !status;
-  if (!status && !c->o->quiet && isatty(STDERR_FILENO))
-    dprintf(STDERR_FILENO, "\rrun %ld: %s %s \033[K", c->runs, k->what, k->to);
+  if (!status) show_progress(c, k->what, k->to);
   if (!status) status = vs_steady_run(&session, scene, result, &why);
   if (!status && result->second.stopped) status = vs_fail(&why, VS_SIGNAL, "stopped by a signal");
   if (!status) take_verdict(&result->verdict, k);
@@ -232,15 +240,28 @@ static size_t row_of_value(const cure *c, const char *kind, double si, const cha
 
 /* ---- values ---- */
 
-/* The kind of the elements whose value is this parameter of the deck; NULL: there are none. An
- * instance may take the value as r= or c=. */
+/* True if the deck has a device NAME, or NAME_1 and so on for each of several, that is bought by
+ * its value. What is no device is no part: a stray resistance, a core's loss. */
+static bool is_device(const vs_deck *deck, const char *name) {
+  const size_t n = strlen(name);
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    const vs_device *d = &deck->devices[k];
+    if (d->kind && d->kind->of_series && !strncmp(d->name, name, n) &&
+        (!d->name[n] || d->name[n] == '_'))
+      return true;
+  }
+  return false;
+}
+
+/* The kind of the elements whose value is this parameter of the deck, which has a device of it;
+ * NULL: there are none. An instance may take the value as r= or c=. */
 static const char *kind_of_value(const vs_deck *deck, const vs_field *field) {
   static const char *const KINDS[] = {"resistor", "capacitor"};
   static const char LETTERS[] = "rc", *const UNITS[] = {"ohm", "F"}, *const NAMES[] = {"r", "c"};
   const vs_cards *c = vs_deck_cards(deck);
   char braces[VS_DECK_NAME + 2];
   snprintf(braces, sizeof braces, "{%.60s}", field->key);
-  for (size_t k = 0; k < c->count && field->kind == VS_REAL; k++)
+  for (size_t k = 0; k < c->count && field->kind == VS_REAL && is_device(deck, field->key); k++)
     for (size_t n = 0; n < 2; n++) {
       const vs_netlist_card *card = &c->card[k];
       const vs_word value =
@@ -379,6 +400,29 @@ static double limit_of(const known_part *p, const char *name) {
   return stated(p->deck, p->deck->files[0], name);
 }
 
+/* The kind that the deck wants there, or that of the real part which is there; empty: neither is
+ * known. */
+static const char *kind_at(const vs_deck *deck, size_t part) {
+  const vs_part *p = &deck->parts[part];
+  const bool real = p->file && vs_parts_is_real(deck, p->file) && vs_parts_file(deck, p->file);
+  return *p->kind || !real ? p->kind : vs_parts_file(deck, p->file)->kind;
+}
+
+/* True for a kind that limits a voltage: parts of these kinds take one another's place. */
+static bool is_suppressor(const vs_kind *kind) {
+  return kind && (kind->clamps || kind->rectifies);
+}
+
+/* True if a part of that kind may stand there: the kind that is there, or where the deck names none
+ * and no other part stands there, a suppressor. */
+static bool may_hold(const vs_deck *deck, size_t part, const vs_kind *kind) {
+  const char *own = kind_at(deck, part);
+  if (!deck->parts[part].file) return false;
+  if (!strcmp(own, kind->name)) return true;
+  return !*deck->parts[part].kind && is_suppressor(kind) &&
+         (!*own || is_suppressor(vs_kinds_find(own)));
+}
+
 /* The limit by which the part's size is told: the first one of the kind that its file states, as a
  * Zener diode's voltage. */
 static const char *size_of(const vs_kind *kind, const vs_deck *deck, const char *file) {
@@ -433,40 +477,52 @@ static vs_status try_next(cure *c, size_t part, const char *kind, const char *li
 
 /* Tries parts that come with the program: those with just enough of a limit that is broken, and the
  * next ones in size. */
-static vs_status try_shipped(cure *c, size_t part, vs_error *err) {
+static vs_status try_shipped(cure *c, size_t part, const vs_kind *kind, vs_error *err) {
   const vs_deck *deck = &c->scene->setup.deck;
   const vs_verdict *v = &c->nominal->verdict;
-  const char *kind_name = deck->parts[part].kind;
-  const vs_kind *kind = vs_kinds_find(kind_name);
   const char *file = deck->parts[part].file;
   vs_status status = VS_OK;
   for (size_t k = 0; k < v->count && !status; k++) {
     const vs_judgement *j = &v->item[k];
-    if (!(lack_of(j) > 0) || !j->device || j->device->part != (int)part || !j->limit || !kind)
-      continue;
+    if (!(lack_of(j) > 0) || !j->device || j->device->part != (int)part || !j->limit) continue;
     const bool least = j->measure->held == VS_AT_LEAST;
     if (*j->limit->name && !j->ward)
-      status = try_next(c, part, kind_name, j->limit->name, j->stress.value, least ? -1 : 1, BEYOND,
-                        err);
+      status = try_next(c, part, kind->name, j->limit->name, j->stress.value, least ? -1 : 1,
+                        BEYOND, err);
   }
-  const char *size = kind ? size_of(kind, deck, file) : NULL;
+  const char *size = size_of(kind, deck, file);
   for (int way = 1; way >= -1 && !status && size; way -= 2)
-    status = try_next(c, part, kind_name, size, stated(deck, file, size), way, NEXT, err);
+    status = try_next(c, part, kind->name, size, stated(deck, file, size), way, NEXT, err);
   return status;
+}
+
+/* Tries parts that come with the program of a kind that is not there: the first ones that the
+ * supply's peak leaves alone. */
+static vs_status try_other_kind(cure *c, size_t part, const vs_kind *kind, vs_error *err) {
+  const char *size = NULL;
+  for (size_t k = 0; k < c->n_parts && !size; k++)
+    if (!strcmp(c->part[k].deck->part_files[0].kind, kind->name))
+      size = size_of(kind, c->part[k].deck, c->part[k].deck->files[0]);
+  if (!size) return VS_OK;
+  return try_next(c, part, kind->name, size, c->scene->setup.timeline.peak_v * (1 - 1e-9), 1,
+                  BEYOND, err);
 }
 
 static vs_status try_parts(cure *c, vs_error *err) {
   const vs_deck *deck = &c->scene->setup.deck;
+  const vs_price_list *list = &c->list;
   vs_status status = VS_OK;
-  if (!*c->list.path) vs_catalogue_list(&vs_deck_parts_shelf, add_shipped, c);
-  for (size_t p = 0; p < deck->n_parts && !status; p++) {
-    if (!deck->parts[p].file || !*deck->parts[p].kind) continue;
-    if (!*c->list.path) status = try_shipped(c, p, err);
-    for (size_t r = 0; *c->list.path && !status &&
-                       (r = vs_price_list_next(&c->list, deck->parts[p].kind, r)) != SIZE_MAX;
-         r++)
-      status = try_part(c, p, vs_price_list_cell(&c->list, r, c->list.part)->text, r, err);
-  }
+  if (!*list->path) vs_catalogue_list(&vs_deck_parts_shelf, add_shipped, c);
+  for (size_t p = 0; p < deck->n_parts; p++)
+    for (const vs_kind *kind = vs_kinds_all; kind->name && !status; kind++) {
+      if (!may_hold(deck, p, kind)) continue;
+      const bool own = !strcmp(kind_at(deck, p), kind->name);
+      if (!*list->path)
+        status = own ? try_shipped(c, p, kind, err) : try_other_kind(c, p, kind, err);
+      for (size_t r = 0;
+           *list->path && !status && (r = vs_price_list_next(list, kind->name, r)) != SIZE_MAX; r++)
+        status = try_part(c, p, vs_price_list_cell(list, r, list->part)->text, r, err);
+    }
   return status;
 }
 
@@ -534,6 +590,11 @@ static void show_cures(const cure *c, size_t cures) {
   for (size_t k = 0; k < (c->o->all ? c->count : cures); k++) show_change(c, &c->item[k]);
   printf("%zu of %zu changes cure it, in %ld run%s%s\n", cures, c->count, c->runs,
          c->runs == 1 ? "" : "s", c->o->all || cures == c->count ? "" : "; --all shows the others");
+  for (size_t p = 0; p < c->scene->setup.deck.n_parts; p++) {
+    size_t k = 0;
+    while (k < c->count && strcmp(c->item[k].what, c->scene->setup.deck.parts[p].name) != 0) k++;
+    if (k == c->count) printf("no other part for %s\n", c->scene->setup.deck.parts[p].name);
+  }
   if (cures) puts(CAVEAT);
 }
 
@@ -636,10 +697,10 @@ static vs_status run_nominal(cure *c, vs_error *err) {
   int *verify = &c->scene->setup.run.verify;
   if (*verify == VS_VERIFY_NEVER)
     *verify = VS_VERIFY_AUTO; /* a margin without an error proves nothing */
+  show_progress(c, "the scene", "as it is");
   vs_status status = vs_steady_run(&session, c->scene, c->nominal, err);
   if (!status && c->nominal->second.stopped)
     status = vs_fail(err, VS_SIGNAL, "stopped by a signal");
-  c->runs++;
   if (!status && !c->nominal->verdict.count)
     status = vs_fail(err, VS_INPUT,
                      "%s: nothing is rated, so there is nothing to cure; choose "
@@ -717,16 +778,15 @@ static const vs_option CURE_OPTIONS[] = {
     VS_OPTIONS_FLAG(cure_line, run.all, "all", "also shows the changes that do not cure it"),
     VS_OPTIONS_ALLOW_CODE,
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_cure_cli = {
     .name = "cure",
     .argument = "SCENE",
     .text = "finds single changes of a part after which the verdict on the scene is held, the "
-            "cheapest first: another E value of a resistor or capacitor, or another part of the "
-            "same kind; each is proved by a run of this scene, and no other threat is tried",
+            "cheapest first: another E value of a resistor or capacitor that is a device of the "
+            "deck, or another part of the same kind; each is proved by a run of this scene, and no "
+            "other threat is tried",
     .examples = "  vibrospice cure my.yaml\n"
                 "  vibrospice cure my.yaml --catalogue catalogue.csv -o cure --all\n",
     .options = CURE_OPTIONS,

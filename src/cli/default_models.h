@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The machine and the deck whose keys are told, where no scene names them. */
-#ifndef VS_CLI_DEFAULT_MODELS_H
-#define VS_CLI_DEFAULT_MODELS_H
+#pragma once
 
 #include "run/scene.h"
 
@@ -15,5 +14,3 @@ typedef struct vs_default_models {
 vs_status vs_default_models_read(const char *deck, const char *machine, vs_default_models *ground,
                                  vs_error *err);
 void vs_default_models_free(vs_default_models *ground);
-
-#endif

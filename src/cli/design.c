@@ -2,7 +2,6 @@
  * The command `design`: which parts to buy. A design is a study whose method chooses parts
  * (study/method/design.c); its folder is a study's, with the answer besides. */
 #include "base/shutdown.h"
-#include "base/units.h"
 #include "commands.h"
 #include "options.h"
 #include "study/methods.h"
@@ -50,9 +49,7 @@ static const vs_option DESIGN_OPTIONS[] = {
     VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "no answer on standard output, no progress"),
     VS_OPTIONS_ALLOW_CODE,
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_design_cli = {
     .name = "design",

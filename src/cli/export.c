@@ -4,7 +4,6 @@
  * holds stands in brackets: ngspice pastes it as text. */
 #include "export.h"
 
-#include <assert.h>
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
@@ -37,6 +36,31 @@ typedef struct spice_source {
   bool stands;                     /* the run begins at the operating point, with switches off */
 } spice_source;
 
+/* ---- instants ---- */
+
+/* The signal's first edge after t at which it changes; INFINITY: none up to until_s. */
+static double next_change(const vs_timeline *timeline, const vs_signal *s, double t_s,
+                          double until_s) {
+  double before = vs_signals_voltage(timeline, s, vs_gate_of_step(t_s, t_s));
+  for (double at_s = t_s; at_s <= until_s;) {
+    at_s = vs_signals_edge(timeline, s, at_s);
+    if (vs_signals_voltage(timeline, s, vs_gate_of_step(at_s, at_s)) != before) return at_s;
+  }
+  return INFINITY;
+}
+
+/* When the first of the modulated switches is on for the first time; 0: none ever is. */
+static double first_on_s(const vs_timeline *timeline, const vs_deck *deck, double until_s) {
+  double first_s = INFINITY;
+  for (size_t k = 0; k < deck->n_ports; k++) {
+    const vs_signal *s = &deck->ports[k].signal;
+    if (!vs_port_is_modulated(s)) continue;
+    const bool on = vs_signals_voltage(timeline, s, vs_gate_of_step(0, 0)) > 0;
+    first_s = fmin(first_s, on ? 0 : next_change(timeline, s, 0, until_s));
+  }
+  return isfinite(first_s) ? first_s : 0;
+}
+
 /* ---- gates ---- */
 
 /* Edges of 10 ns cost 1e-5 of the first peak; in shorter ones ngspice may fail to step (1 ns: one
@@ -58,8 +82,11 @@ static void add_gate_delay(vs_text *t, double turns) {
 
 /* Writes the .param lines that the sources of gates use: instants of the pulses, as engine/gate.h
  * has them, from the scene's parameters vs_angle, vs_pulse, vs_first, vs_every, ...; and vs_fired,
- * when the first pulse of the deck's gates begins that does not end before t = 0. */
-static void spice_sources_timing(vs_text *t, const vs_timeline *timeline, const vs_deck *deck) {
+ * when the first pulse of the deck's gates begins that does not end before t = 0, or a direct
+ * supply is switched on. */
+static void spice_sources_timing(vs_text *t, const vs_timeline *timeline, const vs_deck *deck,
+                                 double until_s) {
+  const double on_s = timeline->supply.direct ? first_on_s(timeline, deck, until_s) : 0;
   const double turn = 2 * M_PI;
   size_t gates = 0;
   vs_text_add(t, "* first rising zero of the mains, first pulse, period and edges of the pulses\n");
@@ -78,7 +105,10 @@ static void spice_sources_timing(vs_text *t, const vs_timeline *timeline, const 
     vs_text_add(t, gates++ ? ",min(" : "min(");
     add_gate_delay(t, deck->ports[k].signal.shift_rad / turn);
   }
-  vs_text_add(t, gates ? ",vs_until" : "vs_fire");
+  if (!gates && on_s > 0)
+    vs_text_add(t, "%.17g", on_s);
+  else
+    vs_text_add(t, gates ? ",vs_until" : "vs_fire");
   while (gates--) vs_text_add(t, ")");
   vs_text_add(t, "}\n");
 }
@@ -129,17 +159,6 @@ static void write_mains(vs_text *t, const spice_source *s, const vs_timeline *ti
 }
 
 /* ---- modulated switches ---- */
-
-/* The signal's first edge after t at which it changes; INFINITY: none up to until_s. */
-static double next_change(const vs_timeline *timeline, const vs_signal *s, double t_s,
-                          double until_s) {
-  double before = vs_signals_voltage(timeline, s, vs_gate_of_step(t_s, t_s));
-  for (double at_s = t_s; at_s <= until_s;) {
-    at_s = vs_signals_edge(timeline, s, at_s);
-    if (vs_signals_voltage(timeline, s, vs_gate_of_step(at_s, at_s)) != before) return at_s;
-  }
-  return INFINITY;
-}
 
 static bool is_even(const vs_pwm_values *p) {
   return p->depth == 0 && !p->duty.count && !vs_pwm_is_single(p);
@@ -638,7 +657,7 @@ static vs_status write_text(vs_text *t, const vs_scene *scene, const char *name,
   vs_status status = check_names(scene, columns, count, err);
   add_head(t, scene, deck_name, table_name);
   add_scene(t, &scene->setup);
-  spice_sources_timing(t, &scene->setup.timeline, &scene->setup.deck);
+  spice_sources_timing(t, &scene->setup.timeline, &scene->setup.deck, scene->setup.run.until_s);
   if (!status) status = add_netlist(t, &scene->setup, err);
   vs_export_machine_write(t, &scene->setup);
   add_analysis(t, &scene->setup);
@@ -727,9 +746,7 @@ static const vs_option EXPORT_OPTIONS[] = {
     VS_OPTIONS_FLAG(export_line, unit.with_program, "with-program",
                     "packs the program into the unit, which then needs no other"),
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_export_cli = {
     .name = "export",

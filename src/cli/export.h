@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `export`: the scene on its circuit tier as one netlist for plain ngspice. */
-#ifndef VS_CLI_EXPORT_H
-#define VS_CLI_EXPORT_H
+#pragma once
 
 #include <stddef.h>
 
@@ -15,5 +14,3 @@
  * cannot be written. For tests. */
 vs_status vs_export_command(const char *scene, char *const *sets, size_t n_sets, const char *output,
                             vs_error *err);
-
-#endif

@@ -9,7 +9,6 @@
 #include <fts.h>
 #include <glob.h>
 #include <link.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

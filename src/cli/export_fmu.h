@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A scene as a functional mock-up unit, for masters of co-simulation. */
-#ifndef VS_CLI_EXPORT_FMU_H
-#define VS_CLI_EXPORT_FMU_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -19,5 +18,3 @@ typedef struct vs_export_fmu_options {
 vs_status vs_export_fmu_command(const char *name, char *const *sets, size_t n_sets,
                                 const char *output, const vs_export_fmu_options *options,
                                 vs_error *err);
-
-#endif

@@ -3,8 +3,7 @@
  * where NAME is a coordinate or its rate: 1 V is 1 mm, 1 mrad, 1 mm/s, 1 mrad/s. The node vs_f is
  * the coil's force, 1 V for 1 N, and vs_i the current, 1 V for 1 A, unless the coil is square.
  * vs_probe1 and those that follow are the machine's probes in their units. */
-#ifndef VS_CLI_EXPORT_MACHINE_H
-#define VS_CLI_EXPORT_MACHINE_H
+#pragma once
 
 #include "base/text.h"
 #include "engine/setup.h"
@@ -34,5 +33,3 @@ void vs_export_machine_params(vs_text *text, const vs_model *model);
 
 /* Adds the machine: its states, the forces of coil and stops, its probes. */
 void vs_export_machine_write(vs_text *text, const vs_setup *setup);
-
-#endif

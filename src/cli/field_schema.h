@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * JSON Schemas of what the rows of a table of keys take (base/field.h). */
-#ifndef VS_CLI_FIELD_SCHEMA_H
-#define VS_CLI_FIELD_SCHEMA_H
+#pragma once
 
 #include "base/field.h"
 #include "base/json.h"
@@ -39,5 +38,3 @@ void vs_field_schema_required(vs_json *json, const vs_field *rows);
 
 /* Adds the member that a schema of studies refers to: the values of each of the scene's keys. */
 void vs_field_schema_definitions(vs_json *json, const vs_default_models *ground);
-
-#endif

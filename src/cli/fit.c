@@ -41,9 +41,7 @@ static const vs_option FIT_OPTIONS[] = {
     VS_OPTIONS_DIGITS(fit_line, o.digits),
     VS_OPTIONS_ALLOW_CODE,
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_fit_cli = {
     .name = "fit",

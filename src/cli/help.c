@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "commands.h"
-#include "control/regulators.h"
 #include "default_models.h"
 #include "list.h"
 #include "measure/expect.h"
@@ -276,7 +275,7 @@ static vs_status help_command(const void *given, vs_error *err) {
   return print_topic(topic, all, err);
 }
 
-static const vs_option HELP_OPTIONS[] = {VS_OPTIONS_HELP, {0}};
+static const vs_option HELP_OPTIONS[] = {VS_OPTIONS_END};
 
 const vs_command vs_help_cli = {
     .name = "help",

@@ -39,9 +39,7 @@ static const vs_option IMPORT_OPTIONS[] = {
     VS_OPTIONS_FLAG(vs_arguments, json, "json", "what was done as JSON on standard output"),
     VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "does not say what was done"),
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_import_cli = {
     .name = "import",

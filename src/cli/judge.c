@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
 #include "base/units.h"
@@ -235,7 +234,7 @@ static void print_table(const judge *j) {
   if (j->weakest)
     printf("\nweakest: %s in case %ld, margin %.3g %%%s\n", j->weakest, j->weakest_case,
            100 * j->least, j->hold.margin > 0 ? " beyond hold.margin" : "");
-  printf("\n%-28s %10s %10s\n", "cases that a line breaks", "as run", "now");
+  printf("\n%-28s %10s %10s\n", "lines not held, in cases", "as run", "now");
   for (size_t k = 0; k < j->hold.count; k++)
     if (j->lines[k].broken[0] || j->lines[k].broken[1])
       printf("%-28s %10zu %10zu\n", j->hold.line[k].name, j->lines[k].broken[0],
@@ -335,9 +334,7 @@ static const vs_option JUDGE_OPTIONS[] = {
     VS_OPTIONS_JSON,
     VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"),
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_judge_cli = {
     .name = "judge",

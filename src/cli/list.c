@@ -15,7 +15,6 @@
 #include "list_entry.h"
 #include "netlist/catalogue.h"
 #include "netlist/deck.h"
-#include "netlist/devices.h"
 #include "netlist/kinds.h"
 #include "netlist/netlist.h"
 #include "options.h"
@@ -98,14 +97,19 @@ static void put_machine_title(vs_entries *to, const char *path) {
   free(machine);
 }
 
+static void put_unsure(vs_entries *to, unsigned unsure) {
+  if (unsure & VS_ASSUMED) vs_list_entry_true(to, "assumed");
+  if (unsure & VS_TYPICAL) vs_list_entry_true(to, "typical");
+}
+
 static void put_limit(vs_entries *to, const vs_limit *limit) {
   vs_list_entry_object(to);
   vs_list_entry_say(to, "    limit");
   vs_list_entry_put(to, "name", 18, limit->name);
   vs_list_entry_put(to, "value", 14, limit->written);
   vs_list_entry_put(to, "text", 0, limit->text);
-  if (limit->assumed) vs_list_entry_true(to, "assumed");
-  if (limit->assumed) vs_list_entry_say(to, " (assumed)");
+  put_unsure(to, limit->unsure);
+  vs_list_entry_say(to, "%s", vs_deck_unsure_notes[limit->unsure]);
   vs_list_entry_line(to);
   vs_list_entry_object_end(to);
 }
@@ -115,9 +119,9 @@ static void put_derating(vs_entries *to, const vs_derating *d) {
   vs_list_entry_number(to, "width_s", d->width_s);
   vs_list_entry_number(to, "number", d->number);
   vs_list_entry_number(to, "current_a", d->current_a);
-  if (d->assumed) vs_list_entry_true(to, "assumed");
+  put_unsure(to, d->unsure);
   vs_list_entry_say(to, "    pulse %g s, %g times, %g A%s", d->width_s, d->number, d->current_a,
-                    d->assumed ? " (assumed)" : "");
+                    vs_deck_unsure_notes[d->unsure]);
   vs_list_entry_line(to);
   vs_list_entry_object_end(to);
 }
@@ -129,9 +133,9 @@ static void put_surges(vs_entries *to, const vs_deck *part) {
     vs_list_entry_object(to);
     vs_list_entry_number(to, "number", row->number);
     vs_list_entry_number(to, "current_a", row->current_a);
-    if (row->assumed) vs_list_entry_true(to, "assumed");
+    put_unsure(to, row->unsure);
     vs_list_entry_say(to, "    surge %g cycles, %g A%s", row->number, row->current_a,
-                      row->assumed ? " (assumed)" : "");
+                      vs_deck_unsure_notes[row->unsure]);
     vs_list_entry_line(to);
     vs_list_entry_object_end(to);
   }
@@ -146,10 +150,10 @@ static void put_limits_at(vs_entries *to, const vs_deck *part) {
     vs_list_entry_text(to, "name", at->name);
     vs_list_entry_number(to, "at_degc", at->at_degc);
     vs_list_entry_number(to, "value", at->value);
-    if (at->assumed) vs_list_entry_true(to, "assumed");
+    put_unsure(to, at->unsure);
     vs_list_entry_say(to, "    at %g degC %s = %g%s", at->at_degc, at->name,
                       at->value / vs_units_factor(vs_kinds_limit_unit(at->name)),
-                      at->assumed ? " (assumed)" : "");
+                      vs_deck_unsure_notes[at->unsure]);
     vs_list_entry_line(to);
     vs_list_entry_object_end(to);
   }
@@ -174,9 +178,9 @@ static void put_melting(vs_entries *to, const vs_melting_row *row) {
   vs_list_entry_object(to);
   vs_list_entry_number(to, "time_s", row->time_s);
   vs_list_entry_number(to, "current_a", row->current_a);
-  if (row->assumed) vs_list_entry_true(to, "assumed");
+  put_unsure(to, row->unsure);
   vs_list_entry_say(to, "    time_current %g s, %g A%s", row->time_s, row->current_a,
-                    row->assumed ? " (assumed)" : "");
+                    vs_deck_unsure_notes[row->unsure]);
   vs_list_entry_line(to);
   vs_list_entry_object_end(to);
 }
@@ -186,9 +190,9 @@ static void put_ambient(vs_entries *to, const vs_ambient_row *row) {
   vs_list_entry_text(to, "limit", row->limit);
   vs_list_entry_number(to, "ambient_degc", row->ambient_degc);
   vs_list_entry_number(to, "factor", row->factor);
-  if (row->assumed) vs_list_entry_true(to, "assumed");
+  put_unsure(to, row->unsure);
   vs_list_entry_say(to, "    derate %s, %g degC, %g %%%s", row->limit, row->ambient_degc,
-                    100 * row->factor, row->assumed ? " (assumed)" : "");
+                    100 * row->factor, vs_deck_unsure_notes[row->unsure]);
   vs_list_entry_line(to);
   vs_list_entry_object_end(to);
 }
@@ -212,9 +216,9 @@ static void put_limits(vs_entries *to, const vs_deck *part) {
     vs_list_entry_object(to);
     vs_list_entry_number(to, "k_per_w", part->zth[k].k_per_w);
     vs_list_entry_number(to, "tau_s", part->zth[k].tau_s);
-    if (part->zth[k].assumed) vs_list_entry_true(to, "assumed");
+    put_unsure(to, part->zth[k].unsure);
     vs_list_entry_say(to, "    zth   %g K/W, %g s%s", part->zth[k].k_per_w, part->zth[k].tau_s,
-                      part->zth[k].assumed ? " (assumed)" : "");
+                      vs_deck_unsure_notes[part->zth[k].unsure]);
     vs_list_entry_line(to);
     vs_list_entry_object_end(to);
   }
@@ -633,8 +637,9 @@ static void list_asked_kinds(const vs_list_options *o, listed *of) {
   if (!found && o->filter)
     fprintf(stderr, "vibrospice: list: nothing of %s has '%s'%s\n", is_named(o) ? o->kind : "all",
             o->filter,
-            o->machine ? "" : "; measures, probes and parameters are those of the machine conveyor: "
-                              "--machine NAME takes another, --deck NAME another deck");
+            o->machine ? ""
+                       : "; measures, probes and parameters are those of the machine conveyor: "
+                         "--machine NAME takes another, --deck NAME another deck");
 }
 
 vs_status vs_list_command(const vs_list_options *o, vs_error *err) {
@@ -697,8 +702,7 @@ static const vs_option LIST_OPTIONS[] = {
     VS_OPTIONS_FILE(list_line, o.machine, "machine", "MACHINE", "likewise (default conveyor)"),
     VS_OPTIONS_FLAG(vs_arguments, json, "json",
                     "an object with an array of entries for each kind, on standard output"),
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_list_cli = {
     .name = "list",

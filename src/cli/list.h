@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `list`: what there is, printed from the tables that the program itself works from. */
-#ifndef VS_CLI_LIST_H
-#define VS_CLI_LIST_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -29,5 +28,3 @@ bool vs_list_has(const char *kind);
 /* Prints the keys of the scene's section of that name, and of those below it, as the kind
  * parameters has them. Returns false where there is no such section. */
 bool vs_list_section(const char *name, const vs_default_models *ground);
-
-#endif

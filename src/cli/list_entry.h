@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Entries of a listing, told once and written either as lines for people or as JSON. */
-#ifndef VS_CLI_LIST_ENTRY_H
-#define VS_CLI_LIST_ENTRY_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -59,5 +58,3 @@ void vs_list_entry_object(vs_entries *entries);
 void vs_list_entry_object_end(vs_entries *entries);
 
 void vs_list_entry_free(vs_entries *entries);
-
-#endif

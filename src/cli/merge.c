@@ -25,9 +25,7 @@ static const vs_option MERGE_OPTIONS[] = {
                     "over another study's result, too; else that is refused"),
     VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"),
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_merge_cli = {
     .name = "merge",

@@ -149,9 +149,7 @@ static const vs_option MODES_OPTIONS[] = {
     VS_OPTIONS_JSON,
     VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "no table"),
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_modes_cli = {
     .name = "modes",

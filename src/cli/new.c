@@ -166,9 +166,7 @@ static vs_status new_command(const void *given, vs_error *err) {
 static const vs_option NEW_OPTIONS[] = {
     VS_OPTIONS_FILE(new_line, deck, "deck", "DECK", "with that deck, and its keys"),
     VS_OPTIONS_FILE(new_line, machine, "machine", "MACHINE", "with that machine, and its keys"),
-    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"),
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"), VS_OPTIONS_END};
 
 const vs_command vs_new_cli = {
     .name = "new",

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Rows of a command's table of options, and what commands have in common. type, member: where a row
  * puts its value, in the command's struct. */
-#ifndef VS_CLI_OPTIONS_H
-#define VS_CLI_OPTIONS_H
+#pragma once
 
 #include "command.h"
 #include "engine/tiers.h"
@@ -44,11 +43,15 @@
     .at = VS_OPTIONS_AT(type, member, of)                                                          \
   }
 
-/* Rows that several commands have alike. */
-#define VS_OPTIONS_HELP                                                                            \
+/* Rows that several commands have alike; END: the last one, and the end of the table. */
+#define VS_OPTIONS_END                                                                             \
+  {.name = "help",                                                                                 \
+   .letter = 'h',                                                                                  \
+   .text = "prints this and ends",                                                                 \
+   .read = vs_command_flag,                                                                        \
+   .at = offsetof(vs_arguments, help)},                                                            \
   {                                                                                                \
-    .name = "help", .letter = 'h', .text = "prints this and ends", .read = vs_command_flag,        \
-    .at = offsetof(vs_arguments, help)                                                             \
+    0                                                                                              \
   }
 #define VS_OPTIONS_OUTPUT(takes, says)                                                             \
   {                                                                                                \
@@ -89,9 +92,9 @@
                   "file that you give, from the working directory if it holds that file, and "     \
                   "from what comes with the program; of a folder of results, only what lies in "   \
                   "it; no network, no code of their own. check, plot, compare and merge do so "    \
-                  "always")
-#define VS_OPTIONS_NO_JAIL                                                                         \
-  VS_OPTIONS_FLAG(vs_arguments, no_jail, "no-jail", "reads every file that the given one names")
+                  "always"),                                                                       \
+      VS_OPTIONS_FLAG(vs_arguments, no_jail, "no-jail",                                            \
+                      "reads every file that the given one names")
 
 #define VS_OPTIONS_TIER(type, member)                                                              \
   VS_OPTIONS_WORD(type, member, "tier", "NAME", VS_TIER_WORDS "; over the scene's run.tier")
@@ -131,5 +134,3 @@ vs_run_options vs_options_of_run(const vs_run_options *asked, const vs_arguments
 
 /* Adds the formats of --format to --help. */
 void vs_options_explain_formats(vs_text *help);
-
-#endif

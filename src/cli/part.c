@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 #include "base/file.h"
@@ -223,8 +222,7 @@ static const vs_option PART_OPTIONS[] = {
         "2g1 of a triac, dgs, cge"),
     VS_OPTIONS_FLAG(part_line, overwrite, "overwrite", "replaces a file that is there already"),
     VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"),
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_part_cli = {
     .name = "part",

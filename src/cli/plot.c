@@ -116,9 +116,7 @@ static const vs_option PLOT_OPTIONS[] = {
                     "then columns named as in run.csv, also in other units (p_mm, i_ma)"),
     VS_OPTIONS_QUIET,
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_plot_cli = {
     .name = "plot",

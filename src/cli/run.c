@@ -5,19 +5,18 @@
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
-#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/file.h"
 #include "base/shutdown.h"
 #include "commands.h"
+#include "engine/budget.h"
 #include "ngspice/crash_guard.h"
 #include "orbit/steady.h"
 #include "report/plot.h"
@@ -160,15 +159,9 @@ typedef struct audience {
   bool show_progress;
 } audience;
 
-static double wall_clock_s(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static void print_progress(audience *a, double t_s, long steps) {
   if (!a->show_progress || steps % 256) return;
-  double now = wall_clock_s(), spent = now - a->began_s, until = a->scene->setup.run.until_s;
+  double now = vs_budget_clock_s(), spent = now - a->began_s, until = a->scene->setup.run.until_s;
   if (spent < 1 || now - a->shown_s < 0.25) return;
   a->shown_s = now;
   dprintf(STDERR_FILENO, "\r%5.1f %%  t = %.4g s of %.4g s, %.0f s left \033[K", 100 * t_s / until,
@@ -466,7 +459,7 @@ static vs_status begin_files(void *ctx, vs_scene *scene, vs_error *err) {
   scene->order.raw = a->raw.stream;
   scene->order.raw_where = until ? until->where : (vs_where){0};
   scene->order.unbegun = can_begin_anew(a);
-  a->began_s = wall_clock_s();
+  a->began_s = vs_budget_clock_s();
   a->shown_s = 0;
   return status;
 }
@@ -683,9 +676,7 @@ static const vs_option RUN_OPTIONS[] = {
                     "run.partial.raw"),
     VS_OPTIONS_ALLOW_CODE,
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_run_cli = {
     .name = "run",

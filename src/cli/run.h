@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A run of one scene as the command `run` does it, for other commands too. */
-#ifndef VS_CLI_RUN_H
-#define VS_CLI_RUN_H
+#pragma once
 
 #include "options.h"
 #include "run/summary.h"
@@ -29,5 +28,3 @@ vs_status vs_run_scene(const vs_run_options *options, const vs_run_more *more, v
  * and goes on with files of its own, in the copy. Error: as vs_file_part. */
 void vs_run_flush(void);
 vs_status vs_run_part(vs_error *err);
-
-#endif

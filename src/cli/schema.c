@@ -369,8 +369,7 @@ static const vs_option SCHEMA_OPTIONS[] = {
     VS_OPTIONS_FILE(schema_line, deck, "deck", "DECK", "whose keys the section circuit has"),
     VS_OPTIONS_FILE(schema_line, machine, "machine", "MACHINE",
                     "whose keys the section machine has"),
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_schema_cli = {
     .name = "schema",

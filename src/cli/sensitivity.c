@@ -303,9 +303,7 @@ static const vs_option SENSITIVITY_OPTIONS[] = {
     VS_OPTIONS_QUIET,
     VS_OPTIONS_ALLOW_CODE,
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_sensitivity_cli = {
     .name = "sensitivity",

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `sensitivity`: logarithmic derivatives of a scene's measures with respect to its
  * keys, as a table, as JSON, and as files. */
-#ifndef VS_CLI_SENSITIVITY_H
-#define VS_CLI_SENSITIVITY_H
+#pragma once
 
 #include <signal.h>
 #include <stdbool.h>
@@ -26,5 +25,3 @@ typedef struct vs_sensitivity_options {
 /* Errors, with nothing written: those of vs_scene_read and vs_sensitivity_find; VS_INPUT, nothing
  * is asked for. For tests. */
 vs_status vs_sensitivity_command(const vs_sensitivity_options *options, vs_error *err);
-
-#endif

@@ -785,7 +785,7 @@ static vs_status serve_command(const void *given_line, vs_error *err) {
   }
 }
 
-static const vs_option SERVE_OPTIONS[] = {VS_OPTIONS_HELP, {0}};
+static const vs_option SERVE_OPTIONS[] = {VS_OPTIONS_END};
 
 const vs_command vs_serve_cli = {
     .name = "serve",

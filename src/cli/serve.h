@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the command `serve` tells of a scene, for others who tell it too. */
-#ifndef VS_CLI_SERVE_H
-#define VS_CLI_SERVE_H
+#pragma once
 
 #include "run/scene.h"
 
@@ -11,5 +10,3 @@
  *   0 value ...                        the columns at t = 0; NaN: not known before the run
  *   u until                            the run's end */
 void vs_serve_describe(const vs_scene *scene, vs_text *text);
-
-#endif

@@ -481,9 +481,7 @@ static const vs_option STEADY_OPTIONS[] = {
     VS_OPTIONS_REPRODUCIBLE(steady_line, run.reproducible),
     VS_OPTIONS_DIGITS(steady_line, run.digits),
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_steady_cli = {
     .name = "steady",

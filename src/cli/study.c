@@ -90,9 +90,7 @@ static const vs_option STUDY_OPTIONS[] = {
     VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "no table, no progress"),
     VS_OPTIONS_ALLOW_CODE,
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_study_cli = {
     .name = "study",

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A vendor's subcircuit, found in the vendor's file. */
-#ifndef VS_CLI_WRAP_H
-#define VS_CLI_WRAP_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -29,5 +28,3 @@ typedef struct vs_wrap {
  * triac's pins cannot be told. */
 vs_status vs_wrap_find(const char *word, const char *kind, const char *pins,
                        const char *const output_name[2], vs_wrap *wrap, vs_error *err);
-
-#endif

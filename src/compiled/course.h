@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The course over time of a V or I source: pulse, sin, pwl, as ngspice has them (its manual,
  * section 4.1), with the parameters given that it would else take from its analysis. */
-#ifndef VS_COMPILED_COURSE_H
-#define VS_COMPILED_COURSE_H
+#pragma once
 
 #include "parameters.h"
 
@@ -24,5 +23,3 @@ void vs_course_free(vs_course *course);
  * there is none. */
 double vs_course_at(const vs_course *course, double t_s);
 double vs_course_edge(const vs_course *course, double t_s);
-
-#endif

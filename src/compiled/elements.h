@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The elements of a netlist, put into its equations. */
-#ifndef VS_COMPILED_ELEMENTS_H
-#define VS_COMPILED_ELEMENTS_H
+#pragma once
 
 #include "equations.h"
 
@@ -9,5 +8,3 @@
  * here. vs_equations_free is due also after an error. */
 vs_status vs_elements_make(const vs_circuit_job *job, const vs_circuit_host *host, vs_equations *e,
                            vs_error *err);
-
-#endif

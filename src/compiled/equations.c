@@ -31,7 +31,7 @@ void vs_equations_free(vs_equations *e) {
   free(e->share);
   free(e->first);
   free(e->rest);
-  free(e->law_slope);
+  free(e->of_law);
   *e = (vs_equations){0};
 }
 
@@ -39,13 +39,16 @@ static double at(const double *y, int k) {
   return k < 0 ? 0 : y[k];
 }
 
+static void add_entries(const vs_entry *list, int count, const double *y, double *f) {
+  for (const vs_entry *at = list, *end = list + count; at < end; at++)
+    f[at->row] += at->value * y[at->column];
+}
+
 void vs_equations_follow(const vs_equations *e, double *y, bool change) {
-  for (int k = 0; k < e->follow - e->rows; k++) {
-    double sum = change ? 0 : e->rest[k];
-    for (int l = e->first[k]; l < e->first[k + 1]; l++)
-      sum += e->share[l].value * y[e->share[l].column];
-    y[e->rows + k] = sum;
-  }
+  const int count = e->follow - e->rows;
+  double *of = y + e->rows;
+  for (int k = 0; k < count; k++) of[k] = change ? 0 : e->rest[k];
+  if (count) add_entries(e->share, e->first[count], y, y);
 }
 
 static void add_to(const vs_equations *e, double *jacobian, int row, int column, double value) {
@@ -78,12 +81,6 @@ static void slope_of(const vs_equations *e, double *jacobian, int a, int b, int 
   add_to(e, jacobian, b, d, -g);
 }
 
-static void add_entries(const vs_entry *list, int count, const double *restrict y,
-                        double *restrict f) {
-  for (const vs_entry *at = list, *end = list + count; at < end; at++)
-    f[at->row] += at->value * y[at->column];
-}
-
 /* Does the machine's k-th rate depend on its l-th state, or, behind these, on the flux linkage?
  * That of a coordinate is a state. */
 static bool depends(const vs_equations *e, int k, int l) {
@@ -91,8 +88,9 @@ static bool depends(const vs_equations *e, int k, int l) {
   return k >= half || l == k + half;
 }
 
-/* x' of the machine. Its slopes are differences, over steps that are small beside any gap; those by
- * x are kept for as long as its law is the same linear one. */
+/* x' of the machine, and its slopes, added to what is constant in the Jacobian. These are
+ * differences, over steps that are small beside any gap; those by x are kept for as long as its law
+ * is the same linear one. */
 static void value_of_machine(vs_equations *e, const double *y, double *f, double *jacobian) {
   static const double STEP = 1e-7;
   const vs_circuit_machine *m = &e->host->machine;
@@ -103,27 +101,27 @@ static void value_of_machine(vs_equations *e, const double *y, double *f, double
   if (!jacobian) return;
   const void *law = m->linear ? m->linear(e->host->ctx, x) : NULL;
   const bool kept = law && law == e->law;
-  double *slope = e->law_slope;
-  for (int l = kept ? e->states : 0; l <= e->states; l++) {
-    const bool of_flux = l == e->states;
-    if (!of_flux) x[l] += STEP;
-    m->rates(e->host->ctx, x, flux_wb + (of_flux ? STEP : 0), rate);
-    if (!of_flux) x[l] = y[e->machine + l];
-    for (int k = 0; k < e->states; k++)
-      slope[l * e->states + k] = (rate[k] - f[e->machine + k]) / STEP;
-  }
-  e->law = law;
-  for (int l = 0; l <= e->states; l++)
+  const size_t size = (size_t)e->matrix.count * sizeof *jacobian;
+  for (int l = 0; l < e->states && !kept; l++) {
+    x[l] += STEP;
+    m->rates(e->host->ctx, x, flux_wb, rate);
+    x[l] = y[e->machine + l];
     for (int k = 0; k < e->states; k++)
       if (depends(e, k, l))
-        add_to(e, jacobian, e->machine + k, l == e->states ? e->flux : e->machine + l,
-               slope[l * e->states + k]);
+        add_to(e, jacobian, e->machine + k, e->machine + l, (rate[k] - f[e->machine + k]) / STEP);
+  }
+  memcpy(kept ? jacobian : e->of_law, kept ? e->of_law : jacobian, size);
+  e->law = law;
+  m->rates(e->host->ctx, x, flux_wb + STEP, rate);
+  for (int k = e->states / 2; k < e->states; k++)
+    add_to(e, jacobian, e->machine + k, e->flux, (rate[k] - f[e->machine + k]) / STEP);
 }
 
 static void value_of_program(const vs_equations *e, const vs_compiled_device *d, const double *y,
                              double *f, double *jacobian) {
   double slope[VS_PROGRAM_SIGNALS];
   const vs_compiled_program *p = &d->program;
+  if (!p->n_live && p->value[p->result] == 0) return;
   const double value = d->factor * vs_program_value(p, y, jacobian ? slope : NULL);
   if (d->branch >= 0)
     f[d->branch] -= value;
@@ -131,6 +129,7 @@ static void value_of_program(const vs_equations *e, const vs_compiled_device *d,
     leave(f, d->row[0], d->row[1], value);
   for (int k = 0; jacobian && k < p->signals; k++) {
     const double g = d->factor * slope[k];
+    if (g == 0) continue;
     if (d->branch >= 0) {
       add_to(e, jacobian, d->branch, p->signal[k].plus, -g);
       add_to(e, jacobian, d->branch, p->signal[k].minus, g);
@@ -401,10 +400,11 @@ void vs_equations_make_pattern(vs_equations *e) {
     for (int l = 0; l <= e->states; l++)
       if (depends(e, k, l)) add_place(e, e->machine + k, l == e->states ? e->flux : e->machine + l);
   }
-  if (!e->law_slope)
-    e->law_slope = vs_alloc((size_t)((e->states + 1) * e->states + 1), sizeof(double));
   free(e->constant);
+  free(e->of_law);
   e->constant = vs_alloc((size_t)e->matrix.count, sizeof *e->constant);
+  e->of_law = vs_alloc((size_t)e->matrix.count, sizeof *e->of_law);
+  e->law = NULL;
   for (int k = 0; k < e->linears; k++) e->constant[e->linear[k].place] += e->linear[k].value;
   join_entries(e, e->linear, &e->linears);
   join_entries(e, e->mass, &e->masses);

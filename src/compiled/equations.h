@@ -3,8 +3,7 @@
  * the nodes, V, the currents through voltage sources and inductors, A, the charges of diodes, C,
  * and the machine's states, SI. A row of a node is the sum of the currents that leave it; M has the
  * capacitances there, F, and in an inductor's row its inductance, H. */
-#ifndef VS_COMPILED_EQUATIONS_H
-#define VS_COMPILED_EQUATIONS_H
+#pragma once
 
 #include "base/names.h"
 #include "course.h"
@@ -77,7 +76,7 @@ typedef struct vs_equations {
   int machine, states, flux;   /* the machine's first unknown, how many it has, and the unknown that
                                   is its flux linkage */
   const void *law;             /* of the machine, whose slopes by x are known; NULL: none are */
-  double *law_slope;           /* of the rates by each state and by the flux linkage; owned */
+  double *of_law;              /* df/dy of what is linear, and of these, by place; owned */
   double *charge;              /* M y at t = 0, of what the netlist says with ic=; owned */
 } vs_equations;
 
@@ -124,5 +123,3 @@ bool vs_equations_still_asks(vs_equations *e, const double *y);
 bool vs_equations_asks(vs_equations *e, int device, const double *y);
 /* Makes its branches those of y, or its switch the other way round. */
 void vs_equations_turn(vs_equations *e, int device, const double *y);
-
-#endif

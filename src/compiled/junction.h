@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Diodes and bipolar transistors, by ngspice's own equations at 27 degC (its manual, chapters 7 and
  * 8; src/spicelib/devices/dio and bjt), as far as the shipped parts use them. */
-#ifndef VS_COMPILED_JUNCTION_H
-#define VS_COMPILED_JUNCTION_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -69,5 +68,3 @@ double vs_junction_channel(const vs_vdmos *q, double vgs, double vds, double slo
  * its slope, F. */
 double vs_junction_gate_charge(const vs_vdmos *q, double vgd, double *capacitance);
 double vs_junction_body_charge(const vs_vdmos *q, double vsd, double *capacitance);
-
-#endif

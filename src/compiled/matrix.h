@@ -2,8 +2,7 @@
  * A sparse matrix of fixed pattern, and its LU factors in an order of pivots that is found once:
  * Markowitz', among the pivots that are not small beside their row and column. Factors and
  * solutions are lists of operations that a loop goes through. */
-#ifndef VS_COMPILED_MATRIX_H
-#define VS_COMPILED_MATRIX_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -45,5 +44,3 @@ void vs_matrix_solve_many(const vs_matrix *m, const double *factors, int count, 
                           double *x);
 
 void vs_matrix_free(vs_matrix *m);
-
-#endif

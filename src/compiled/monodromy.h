@@ -7,8 +7,7 @@
  * f jumps at an instant that the state moves,
  *   M S+ = M S- + (f- - f+) dt/dz(0),
  * and dt/dz(0) comes of the state at which the branch or switch asks to be another one. */
-#ifndef VS_COMPILED_MONODROMY_H
-#define VS_COMPILED_MONODROMY_H
+#pragma once
 
 #include "rodas.h"
 
@@ -58,5 +57,3 @@ void vs_monodromy_step(vs_monodromy *m, vs_rodas *r, double h);
 
 /* dz/dz(0), row by row. */
 void vs_monodromy_slope(const vs_monodromy *m, double *slope);
-
-#endif

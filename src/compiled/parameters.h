@@ -2,8 +2,7 @@
  * What the parameters of a netlist come to, as ngspice reads them: a name within an instance is its
  * own argument, else a parameter of its subcircuit, else what it means where the instance stands.
  */
-#ifndef VS_COMPILED_PARAMETERS_H
-#define VS_COMPILED_PARAMETERS_H
+#pragma once
 
 #include "netlist/cards.h"
 #include "netlist/expr.h"
@@ -52,5 +51,3 @@ vs_parameters_of_two *vs_parameters_function_2(const vs_parameters *in, vs_word 
 bool vs_parameters_operate(vs_word sign, double x, double y, double *value);
 
 void vs_parameters_free(vs_parameters *in);
-
-#endif

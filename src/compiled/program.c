@@ -255,11 +255,18 @@ static int write_tree(writing *w, const vs_expr *e, size_t node, const bound_op 
   }
 }
 
-static void mark_operands(const vs_program_op *op, bool *of) {
+static int chosen_by(const vs_program_op *op) {
+  return op->value != 0 ? op->b : op->c;
+}
+
+/* `held`: what a branch is chosen by does not count. */
+static void mark_operands(const vs_program_op *op, bool held, bool *of) {
   if (op->kind == CONSTANT || op->kind == SIGNAL || op->kind == POINT) return;
+  if (held && op->kind == CHOICE) of[chosen_by(op)] = true;
+  if (held && op->kind >= COMPARE) return;
   of[op->a] = true;
   if (op->kind == CHOICE)
-    of[op->value != 0 ? op->b : op->c] = true;
+    of[chosen_by(op)] = true;
   else if ((op->kind >= ADD && op->kind <= SIGN_POWER) || op->kind <= MAXIMUM ||
            op->kind == COMPARE)
     of[op->b] = true;
@@ -275,9 +282,11 @@ static void find_live(vs_compiled_program *p) {
   bool *live = vs_alloc((size_t)p->count, sizeof *live);
   bool *decides = vs_alloc((size_t)p->count, sizeof *decides);
   live[p->count - 1] = true;
+  p->result = p->count - 1;
+  while (p->op[p->result].kind == CHOICE) p->result = chosen_by(&p->op[p->result]);
   for (int k = p->count - 1; k >= 0; k--) {
-    if (live[k]) mark_operands(&p->op[k], live);
-    if (decides[k]) mark_operands(&p->op[k], decides);
+    if (live[k]) mark_operands(&p->op[k], true, live);
+    if (decides[k]) mark_operands(&p->op[k], false, decides);
     if (!live[k] || !is_branch(&p->op[k])) continue;
     decides[p->op[k].a] = true;
     if (p->op[k].kind == COMPARE || p->op[k].kind <= MAXIMUM) decides[p->op[k].b] = true;
@@ -285,7 +294,7 @@ static void find_live(vs_compiled_program *p) {
   p->n_live = p->n_decides = 0;
   for (int k = 0; k < p->count; k++) {
     if (p->op[k].kind == CONSTANT || p->op[k].kind == POINT) continue;
-    if (live[k]) p->live[p->n_live++] = k;
+    if (live[k] && k <= p->result) p->live[p->n_live++] = k;
     if (decides[k] || (live[k] && is_branch(&p->op[k]))) p->decides[p->n_decides++] = k;
   }
   free(live);
@@ -379,59 +388,61 @@ static double compare(int sign, double a, double b) {
   return value;
 }
 
-static void go_forward(const vs_compiled_program *p, const int *list, int count, const double *y) {
+static inline __attribute__((always_inline)) void take_forward(const vs_compiled_program *p, int k,
+                                                               const double *y) {
   double slope, *v = p->value;
-  for (int n = 0; n < count; n++) {
-    const int k = list[n];
-    const vs_program_op *op = &p->op[k];
-    switch (op->kind) {
-    case SIGNAL: {
-      const vs_program_signal *s = &p->signal[op->a];
-      v[k] = (s->plus < 0 ? 0 : y[s->plus]) - (s->minus < 0 ? 0 : y[s->minus]);
-      break;
-    }
-    case ADD:
-      v[k] = v[op->a] + v[op->b];
-      break;
-    case SUBTRACT:
-      v[k] = v[op->a] - v[op->b];
-      break;
-    case MULTIPLY:
-      v[k] = v[op->a] * v[op->b];
-      break;
-    case DIVIDE:
-      v[k] = v[op->a] / v[op->b];
-      break;
-    case POWER:
-      v[k] = power_of(v[op->a], v[op->b]);
-      break;
-    case SIGN_POWER:
-      v[k] = copysign(pow(fabs(v[op->a]), v[op->b]), v[op->a]);
-      break;
-    case MINIMUM:
-      v[k] = v[op->b] < v[op->a] ? v[op->b] : v[op->a];
-      break;
-    case MAXIMUM:
-      v[k] = v[op->b] > v[op->a] ? v[op->b] : v[op->a];
-      break;
-    case FUNCTION:
-      v[k] = op->of == exp && v[op->a] > STEEPEST ? exp(STEEPEST) * (1 + v[op->a] - STEEPEST)
-                                                  : op->of(v[op->a]);
-      break;
-    case LINE:
-      v[k] = line_value(p, op, v[op->a], &slope);
-      break;
-    case SIZE:
-      v[k] = fabs(v[op->a]);
-      break;
-    case CHOICE:
-      v[k] = op->value != 0 ? v[op->b] : v[op->c];
-      break;
-    default:
-      v[k] = op->value;
-      break; /* COMPARE, ROUND, STEP, SIGN */
-    }
+  const vs_program_op *op = &p->op[k];
+  switch (op->kind) {
+  case SIGNAL: {
+    const vs_program_signal *s = &p->signal[op->a];
+    v[k] = (s->plus < 0 ? 0 : y[s->plus]) - (s->minus < 0 ? 0 : y[s->minus]);
+    break;
   }
+  case ADD:
+    v[k] = v[op->a] + v[op->b];
+    break;
+  case SUBTRACT:
+    v[k] = v[op->a] - v[op->b];
+    break;
+  case MULTIPLY:
+    v[k] = v[op->a] * v[op->b];
+    break;
+  case DIVIDE:
+    v[k] = v[op->a] / v[op->b];
+    break;
+  case POWER:
+    v[k] = power_of(v[op->a], v[op->b]);
+    break;
+  case SIGN_POWER:
+    v[k] = copysign(pow(fabs(v[op->a]), v[op->b]), v[op->a]);
+    break;
+  case MINIMUM:
+    v[k] = v[op->b] < v[op->a] ? v[op->b] : v[op->a];
+    break;
+  case MAXIMUM:
+    v[k] = v[op->b] > v[op->a] ? v[op->b] : v[op->a];
+    break;
+  case FUNCTION:
+    v[k] = op->of == exp && v[op->a] > STEEPEST ? exp(STEEPEST) * (1 + v[op->a] - STEEPEST)
+                                                : op->of(v[op->a]);
+    break;
+  case LINE:
+    v[k] = line_value(p, op, v[op->a], &slope);
+    break;
+  case SIZE:
+    v[k] = fabs(v[op->a]);
+    break;
+  case CHOICE:
+    v[k] = v[chosen_by(op)];
+    break;
+  default:
+    v[k] = op->value;
+    break; /* COMPARE, ROUND, STEP, SIGN */
+  }
+}
+
+static void go_forward(const vs_compiled_program *p, const double *y) {
+  for (int n = 0; n < p->n_live; n++) take_forward(p, p->live[n], y);
 }
 
 /* From the result back to the signals: the derivative by each operation. */
@@ -440,7 +451,7 @@ static void go_back(const vs_compiled_program *p, double *slope) {
   const double *v = p->value;
   memset(d, 0, (size_t)p->count * sizeof *d);
   for (int k = 0; k < p->signals; k++) slope[k] = 0;
-  d[p->count - 1] = 1;
+  d[p->result] = 1;
   for (int n = p->n_live - 1; n >= 0; n--) {
     const int k = p->live[n];
     const vs_program_op *op = &p->op[k];
@@ -487,7 +498,7 @@ static void go_back(const vs_compiled_program *p, double *slope) {
       d[op->a] += v[op->a] < 0 ? -g : g;
       break;
     case CHOICE:
-      d[op->value != 0 ? op->b : op->c] += g;
+      d[chosen_by(op)] += g;
       break;
     default:
       break;
@@ -496,9 +507,9 @@ static void go_back(const vs_compiled_program *p, double *slope) {
 }
 
 double vs_program_value(const vs_compiled_program *p, const double *y, double *slope) {
-  go_forward(p, p->live, p->n_live, y);
+  if (p->n_live) go_forward(p, y);
   if (slope) go_back(p, slope);
-  return p->value[p->count - 1];
+  return p->value[p->result];
 }
 
 /* What is this far beyond a kink is on its other side. Less says nothing, so that rounding about 0
@@ -533,14 +544,12 @@ static double due_branch(const vs_compiled_program *p, const vs_program_op *op, 
 /* Branches are taken from the first operation to the last, so that what a later one chooses by is
  * known. With each the operations that count are others. */
 bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
-  const double *v = p->value;
   bool other = false;
-  if (!p->chooses) return false;
-  go_forward(p, p->decides, p->n_decides, y);
-  for (int n = 0; n < p->n_decides; n++) {
+  for (int n = 0; p->chooses && n < p->n_decides; n++) {
     vs_program_op *op = &p->op[p->decides[n]];
+    take_forward(p, p->decides[n], y);
     if (!is_branch(op)) continue;
-    const double due = due_branch(p, op, v);
+    const double due = due_branch(p, op, p->value);
     if (due == op->value || isnan(due)) continue;
     const bool holds = op->kind >= COMPARE;
     other = other || holds || op->value != 0; /* a kink's first side is none that is left */
@@ -549,7 +558,6 @@ bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
     op->value = due;
     if (!holds) continue;
     find_live(p);
-    go_forward(p, p->decides, p->n_decides, y);
     n = -1;
   }
   return other;

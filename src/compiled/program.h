@@ -3,8 +3,7 @@
  * between branches, by a ? b : c, u(), sgn() or the like, the branch is held for as long as a step
  * of the integration lasts, so that the expression is smooth within it; vs_program_chooses tells
  * whether another one is due. */
-#ifndef VS_COMPILED_PROGRAM_H
-#define VS_COMPILED_PROGRAM_H
+#pragma once
 
 #include "parameters.h"
 
@@ -24,8 +23,8 @@ typedef struct vs_program_signal {
 } vs_program_signal;
 
 typedef struct vs_compiled_program {
-  vs_program_op *op; /* owned; the last one is the result */
-  int count;
+  vs_program_op *op; /* owned; the last one is the whole expression */
+  int count, result; /* result: the one that it has the value of, by the branches that are held */
   int *live, n_live; /* the operations that the branches held ask for, without constants; owned */
   int *decides, n_decides; /* those of them that a branch is chosen by, and the choices; owned */
   double *value;           /* of each operation, as it was evaluated last; owned */
@@ -55,5 +54,3 @@ double vs_program_value(const vs_compiled_program *program, const double *y, dou
 /* Takes the branches that y asks for. Returns true if one of them is another one than before. With
  * `only_ask` it keeps those that it has. */
 bool vs_program_choose(vs_compiled_program *program, const double *y, bool only_ask);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Fewer equations for the same circuit: an equation without capacitance, inductance and devices
  * gives one of its unknowns as shares of the others, once and for all. */
-#ifndef VS_COMPILED_REDUCTION_H
-#define VS_COMPILED_REDUCTION_H
+#pragma once
 
 #include "equations.h"
 
@@ -10,5 +9,3 @@
  * -2 are none, follow from the first `rows` (vs_equations_follow); the others are gone. Unknowns
  * have other numbers then. */
 void vs_reduction_make(vs_equations *e, const int *signal, size_t signals);
-
-#endif

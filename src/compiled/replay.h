@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The steps of a run that are noted, or those of another run that are taken once more. Steps of a
  * stretch up to an edge grow with the stretch, so that the same number of them leads there. */
-#ifndef VS_COMPILED_REPLAY_H
-#define VS_COMPILED_REPLAY_H
+#pragma once
 
 #include "ngspice/circuit.h"
 
@@ -26,5 +25,3 @@ static inline bool vs_replay_is_on(const vs_circuit_steps *steps) {
 /* The step that comes next, where left_s are left up to an edge; NaN: a restart is due. length_s:
  * its length here. NULL: the other run had no such one there. */
 const vs_circuit_step *vs_replay_next(vs_circuit_steps *steps, double left_s, double *length_s);
-
-#endif

@@ -7,8 +7,7 @@
  * behind a thyristor that leaks took 7 times the steps at 1e-6 and was off by 7.3 tolerances
  * instead of 0.1. One step takes one factored matrix, M/(gamma h) - df/dy, and six solutions with
  * it. */
-#ifndef VS_COMPILED_RODAS_H
-#define VS_COMPILED_RODAS_H
+#pragma once
 
 #include "equations.h"
 
@@ -65,5 +64,3 @@ bool vs_rodas_restart(vs_rodas *r, const double *charge, double h, bool chooses)
 
 /* The step that was tried, or the restart, is taken: y becomes next. */
 void vs_rodas_take(vs_rodas *r, double h);
-
-#endif

@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "base/shutdown.h"
+#include "engine/budget.h"
 
 /* How long a process may take to end by itself, s of the wall's clock. It may have files to
  * close. */
@@ -29,12 +30,6 @@ enum { LOOK_MS = 100 };
 /* A look that takes longer than this, s, is one in which this process stood still: a batch system
  * has stopped it, and the child perhaps with it. */
 static const double PAUSE_S = 1;
-
-static double wall_s(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* ---- the child, before it does its work ---- */
 
@@ -176,7 +171,7 @@ static vs_status start(vs_child_process *r, const task *t, int *why, vs_error *e
   r->to = there[1];
   r->from = back[0];
   r->t_s = 0;
-  r->until_s = wall_s() + r->timeout_s;
+  r->until_s = vs_budget_clock_s() + r->timeout_s;
   r->n_in = 0;
   return VS_OK;
 }
@@ -210,14 +205,14 @@ static void wait_for_end(pid_t pid, int *how) {
  * and *how is what waitpid gives. A child that has ended keeps its number, and that of its group,
  * until it is waited for. */
 static bool finish_child(vs_child_process *r, double grace_s, int *how) {
-  const double until_s = wall_s() + grace_s;
+  const double until_s = vs_budget_clock_s() + grace_s;
   const struct timespec pause = {0, 1000000};
   siginfo_t ended = {0};
   int unused;
   close(r->to);
   close(r->from);
   while (!waitid(P_PID, (id_t)r->pid, &ended, WEXITED | WNOHANG | WNOWAIT) && !ended.si_pid &&
-         wall_s() < until_s)
+         vs_budget_clock_s() < until_s)
     nanosleep(&pause, NULL);
   kill(-r->pid, SIGKILL);
   kill(r->pid, SIGKILL);
@@ -284,10 +279,10 @@ static vs_status wait_for(vs_child_process *r, int end, short what, vs_error *er
       dismiss(r);
       return vs_fail(err, VS_SIGNAL, "t = %.9g s: stopped by a signal", r->t_s);
     }
-    const double now_s = wall_s(), left_ms = 1e3 * (r->until_s - now_s);
+    const double now_s = vs_budget_clock_s(), left_ms = 1e3 * (r->until_s - now_s);
     if (poll(&one, 1, (int)fmax(0, fmin(ceil(left_ms), LOOK_MS))) > 0) return VS_OK;
     if (left_ms <= 0) return is_late(r, err);
-    if (wall_s() - now_s > PAUSE_S) r->until_s = wall_s() + r->timeout_s;
+    if (vs_budget_clock_s() - now_s > PAUSE_S) r->until_s = vs_budget_clock_s() + r->timeout_s;
   }
 }
 
@@ -330,7 +325,7 @@ vs_status vs_child_process_ask(vs_child_process *r, double t_s, const void *ques
     return vs_fail(err, VS_RUN, "t = %.9g s: control: %s does not work for this process", t_s,
                    r->name);
   r->t_s = t_s;
-  r->until_s = wall_s() + r->timeout_s;
+  r->until_s = vs_budget_clock_s() + r->timeout_s;
   r->n_in = 0;
   status = expect_silence(r, err);
   while (size > 0 && !status) {

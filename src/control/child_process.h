@@ -4,8 +4,7 @@
  * of turn) becomes one line. Neither it nor what it has started, unless that has left its process
  * group, outlives this process: vs_child_process_end ends them, and a watchman where this process
  * dies before that. So it is with a folder that the process works in. */
-#ifndef VS_CONTROL_CHILD_PROCESS_H
-#define VS_CONTROL_CHILD_PROCESS_H
+#pragma once
 
 #include "base/error.h"
 
@@ -56,5 +55,3 @@ vs_status vs_child_process_answer(vs_child_process *remote, size_t size, vs_erro
 /* Tells the process that nobody will ask it any more, waits a second for its end, and else ends it
  * with all that it has started. Does nothing where there is none. */
 void vs_child_process_end(vs_child_process *remote);
-
-#endif

@@ -3,8 +3,7 @@
  * instrument and of each estimate, and its least and largest since the firing before was decided. A
  * law that runs once in a cycle finds half of a swing, peak to peak, in that. And what becomes of
  * its answer. */
-#ifndef VS_CONTROL_LAW_INPUT_H
-#define VS_CONTROL_LAW_INPUT_H
+#pragma once
 
 #define VIBROSPICE_LAW_READER
 #include <vibrospice/law.h>
@@ -44,5 +43,3 @@ size_t vs_law_input_size(const vs_law_input *view);
 /* Writes the path of a file that a law's key names: in the folder of the scene or study that names
  * it, or in the working folder where the command line does. False: it is too long. */
 bool vs_law_input_path(const char *name, vs_where where, char path[VS_PATH_SIZE]);
-
-#endif

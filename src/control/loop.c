@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/text.h"
 #include "base/units.h"
 #include "engine/firing.h"
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A law of the user's own that is loaded into a child process: a shared object with a function
  * (object.c), or a functional mock-up unit (fmu.c). */
-#ifndef VS_CONTROL_OBJECT_H
-#define VS_CONTROL_OBJECT_H
+#pragma once
 
 #include "base/path.h"
 #include "child_process.h"
@@ -33,5 +32,3 @@ void vs_object_tick(void *object, const vs_control_input *sight);
 vs_status vs_object_decide(void *object, const vs_control_input *sight, double *angle_rad,
                            vs_error *err);
 void vs_object_end(void *object);
-
-#endif

@@ -20,7 +20,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/text.h"
+#include "base/alloc.h"
 
 typedef struct placing {
   size_t n, m;

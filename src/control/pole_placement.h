@@ -3,8 +3,7 @@
  * more than one column in B there are many such gains; taken is one whose eigenvectors are nearly
  * as far apart as they can be, so that the poles move least by what the model does not know
  * (J. Kautsky, N. K. Nichols, P. Van Dooren, 1985). */
-#ifndef VS_CONTROL_POLE_PLACEMENT_H
-#define VS_CONTROL_POLE_PLACEMENT_H
+#pragma once
 
 #include <gsl/gsl_complex.h>
 #include <gsl/gsl_matrix.h>
@@ -24,5 +23,3 @@ double vs_pole_placement_reach(const gsl_matrix *a, const gsl_matrix *b, gsl_com
 /* How nearly the columns of B depend on each other: the least of its singular values over the
  * largest. */
 double vs_pole_placement_independence(const gsl_matrix *b);
-
-#endif

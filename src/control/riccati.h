@@ -5,8 +5,7 @@
  *
  *   P = A (P - P C^T (C P C^T + R)^-1 C P) A^T + Q
  */
-#ifndef VS_CONTROL_RICCATI_H
-#define VS_CONTROL_RICCATI_H
+#pragma once
 
 #include <gsl/gsl_matrix.h>
 #include <stdbool.h>
@@ -21,5 +20,3 @@ bool vs_riccati(const gsl_matrix *a, const gsl_matrix *c, const gsl_matrix *q, c
  * own instant: x + L (y - C x). */
 void vs_riccati_gain(const gsl_matrix *p, const gsl_matrix *c, const gsl_matrix *r,
                      gsl_matrix *gain);
-
-#endif

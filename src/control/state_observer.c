@@ -8,7 +8,6 @@
 
 #include "base/text.h"
 #include "control/sampled_system.h"
-#include "engine/channel.h"
 #include "pole_placement.h"
 #include "riccati.h"
 

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <time.h>
 
-static double wall_clock(void) {
+double vs_budget_clock_s(void) {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
@@ -20,7 +20,7 @@ static double part_spent(const vs_budget *b) {
 }
 
 static void show_progress(vs_budget *b) {
-  double now = wall_clock();
+  double now = vs_budget_clock_s();
   if (b->began_s == 0) b->began_s = now;
   double spent = now - b->began_s, part = part_spent(b);
   if (spent < 1 || now - b->shown_s < 0.25) return;

@@ -42,7 +42,8 @@ static vs_status refuse_unknown_device(const vs_node *node, const vs_deck *deck,
 /* Error: of such a device no junction is told, or its part states no thermal resistance. */
 static vs_status check_resistance(const vs_node *node, const vs_deck *deck, const vs_device *d,
                                   vs_error *err) {
-  bool junction = false, assumed = false;
+  bool junction = false;
+  unsigned unsure = 0;
   for (size_t k = 0; d->kind && k < d->kind->n_measures; k++)
     junction = junction || d->kind->measures[k].how == VS_R_HOTTEST;
   if (!junction)
@@ -50,7 +51,7 @@ static vs_status check_resistance(const vs_node *node, const vs_deck *deck, cons
                       "heatsink: %s is a %s, of which no junction is told; 'vibrospice list kinds' "
                       "shows which kinds have a measure t_j",
                       d->name, d->kind ? d->kind->name : "device without a kind");
-  if (isfinite(vs_devices_r_th(deck, d, "r_th_jc", &assumed))) return VS_OK;
+  if (isfinite(vs_devices_r_th(deck, d, "r_th_jc", &unsure))) return VS_OK;
   const char *file = d->part < 0 ? NULL : deck->parts[d->part].file;
   return vs_fail_at(err, node->key_where,
                     "heatsink: nothing says how the junction of %s heats its case; lines '*$ zth R "
@@ -132,29 +133,29 @@ static double sink_of(const vs_cooling *cooling, const vs_deck *deck, const vs_d
 }
 
 bool vs_cooling_has(const vs_cooling *cooling, const vs_deck *deck, const vs_device *d) {
-  bool assumed = false;
-  return sink_of(cooling, deck, d) > 0 || isfinite(vs_devices_r_th(deck, d, "r_th_ja", &assumed));
+  unsigned unsure = 0;
+  return sink_of(cooling, deck, d) > 0 || isfinite(vs_devices_r_th(deck, d, "r_th_ja", &unsure));
 }
 
 double vs_cooling_to_ambient(const vs_cooling *cooling, const vs_deck *deck, const vs_device *d,
-                             bool *assumed) {
+                             unsigned *unsure) {
   double sink = sink_of(cooling, deck, d);
   if (sink > 0) {
-    double r_cs = vs_devices_r_th(deck, d, "r_th_cs", assumed);
+    double r_cs = vs_devices_r_th(deck, d, "r_th_cs", unsure);
     return sink + (isfinite(r_cs) ? r_cs : 0);
   }
-  double r_ja = vs_devices_r_th(deck, d, "r_th_ja", assumed);
+  double r_ja = vs_devices_r_th(deck, d, "r_th_ja", unsure);
   if (isnan(r_ja)) return NAN;
-  double r_jc = vs_devices_r_th(deck, d, "r_th_jc", assumed);
+  double r_jc = vs_devices_r_th(deck, d, "r_th_jc", unsure);
   return r_ja - (isfinite(r_jc) ? r_jc : 0);
 }
 
 void vs_cooling_write(const vs_cooling *cooling, const vs_deck *deck, const vs_device *d,
                       vs_text *text) {
-  bool assumed = false;
-  double r_jc = vs_devices_r_th(deck, d, "r_th_jc", &assumed), sink = sink_of(cooling, deck, d);
-  double r_cs = vs_devices_r_th(deck, d, "r_th_cs", &assumed),
-         r_ja = vs_devices_r_th(deck, d, "r_th_ja", &assumed);
+  unsigned unsure = 0;
+  double r_jc = vs_devices_r_th(deck, d, "r_th_jc", &unsure), sink = sink_of(cooling, deck, d);
+  double r_cs = vs_devices_r_th(deck, d, "r_th_cs", &unsure),
+         r_ja = vs_devices_r_th(deck, d, "r_th_ja", &unsure);
   vs_text_add(text, "%s: junction", d->name);
   if (sink > 0 || isnan(r_ja)) {
     if (isfinite(r_jc)) vs_text_add(text, " over case %.4g K/W", r_jc);
@@ -162,8 +163,8 @@ void vs_cooling_write(const vs_cooling *cooling, const vs_deck *deck, const vs_d
     if (sink > 0) vs_text_add(text, ", over heat sink %.4g K/W", sink);
   } else
     vs_text_add(text, " over ambient %.4g K/W (r_th_ja)", r_ja);
-  vs_text_add(text, ", over ambient %.4g degC%s", cooling->ambient_degc,
-              assumed ? " (r_th assumed)" : "");
+  vs_text_add(text, ", over ambient %.4g degC%s%s%s", cooling->ambient_degc,
+              unsure ? " (r_th " : "", vs_deck_unsure_words[unsure], unsure ? ")" : "");
 }
 
 /* ---- told ---- */

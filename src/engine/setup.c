@@ -366,6 +366,13 @@ static vs_status read_values(const vs_node *map, vs_setup *setup, vs_error *err)
   if (setup->deck.lost & VS_LOST_PARAM) map = NULL; /* a key may be that one's */
   vs_status s =
       vs_section_cache_read(&setup->memo, &setup->deck.section, map, values, sizeof *values, err);
+  size_t param = 0;
+  for (size_t k = 1; k < setup->deck.section.count; k++) {
+    const vs_field *field = &setup->deck.section.fields[k];
+    if (field->kind != VS_REAL) continue;
+    unsigned char *unsure = setup->deck.unsure[param++];
+    unsure[1] = vs_tree_child(map, field->key) ? 0 : unsure[0];
+  }
   vs_deck_value standard[VS_STANDARD];
   vs_setup_standard(setup, standard);
   size_t found = vs_error_count(err);

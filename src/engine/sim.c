@@ -5,11 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "engine/events.h"
 #include "macromodel/macromodel.h"
-#include "netlist/netlist.h"
-#include "netlist/parts.h"
-#include "ngspice/ngspice.h"
 #include "plant/coil.h"
 
 vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup) {

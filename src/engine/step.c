@@ -137,6 +137,11 @@ bool vs_step_is_quiet(const vs_step *step) {
   return a->flux_wb == 0 && b->flux_wb == 0 && a->flux_rate_v == 0 && b->flux_rate_v == 0;
 }
 
+int vs_step_parts(const vs_step *step, int least, int most) {
+  const double radians = step->frame->model->contact_rad_s * (step->to->t_s - step->from->t_s);
+  return (int)fmax(fmin(ceil(2 * radians * most), most), least);
+}
+
 /* q, and q' where `rate` is there; a step of no length has the velocities of its end. */
 static inline __attribute__((always_inline)) void put_coordinates(const vs_step *step,
                                                                   const weights *w,

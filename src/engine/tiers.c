@@ -14,6 +14,9 @@ const vs_tier *const vs_tiers_all[VS_TIERS] = {
 
 const char vs_tiers_words[] = VS_TIER_WORDS;
 
+const char vs_tiers_on_at_rest[] =
+    "t = 0 s: the coil carries a current at the deck's operating point";
+
 const vs_run_order vs_tiers_order = {.solver = &vs_self_test_kind,
                                      .stand_in = &vs_oneport_macromodel};
 

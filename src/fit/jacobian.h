@@ -2,8 +2,7 @@
  * How the residuals change with the unknowns: the matrix d residual/d s, by row residual, by column
  * unknown. Who finds it is a plug: exactly, from the derivatives of one run (orbit/tangent.h), or
  * by differences of runs, which take a tenth of the time. */
-#ifndef VS_FIT_JACOBIAN_H
-#define VS_FIT_JACOBIAN_H
+#pragma once
 
 #include <gsl/gsl_matrix.h>
 
@@ -26,5 +25,3 @@ extern const vs_jacobian_kind vs_jacobian_exact, vs_jacobian_differences;
  */
 vs_status vs_jacobian_fill(const vs_jacobian_kind *kind, vs_prediction *prediction, const double *s,
                            const double *computed, gsl_matrix *slopes, vs_error *err);
-
-#endif

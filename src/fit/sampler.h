@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Takes out of the steps of a run what stands in the place of each sample of a recording: the
  * channel itself, or what its instrument would show without noise and A/D. */
-#ifndef VS_FIT_SAMPLER_H
-#define VS_FIT_SAMPLER_H
+#pragma once
 
 #include "fit/recording.h"
 #include "measure/meter.h"
@@ -26,5 +25,3 @@ void vs_sampler_restart(vs_sampler *sampler, const vs_scene *scene);
 
 /* Takes a step of the run. Every step is to be shown, in order of time. */
 void vs_sampler_accept(vs_sampler *sampler, const vs_step *step);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Writes the netlist of the deck: the lines of the imported netlist, with those changes that the
  * plan makes. */
-#ifndef VS_IMPORT_COPYING_H
-#define VS_IMPORT_COPYING_H
+#pragma once
 
 #include "fate.h"
 
@@ -30,5 +29,3 @@ void vs_copying_write(vs_fate *plan, const char *folder, const char *library, vs
 bool vs_copying_has_edges(const vs_course_pulse *pulse);
 
 void vs_copying_free(vs_copying *body);
-
-#endif

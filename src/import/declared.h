@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The "*$" lines of the deck that is being written, limited to what a deck may have, and the
  * messages for the user. */
-#ifndef VS_IMPORT_DECLARED_H
-#define VS_IMPORT_DECLARED_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -64,5 +63,3 @@ void vs_declared_note(vs_declared_notes *notes, const char *format, ...)
 
 /* Adds all lines to the text of a deck. */
 void vs_declared_write(const vs_declared *sheet, vs_text *out);
-
-#endif

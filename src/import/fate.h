@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What becomes of each element of a netlist in its deck: the parameter for its value, where its
  * current is sensed, what it is measured as. */
-#ifndef VS_IMPORT_FATE_H
-#define VS_IMPORT_FATE_H
+#pragma once
 
 #include "declared.h"
 #include "import/elements.h"
@@ -54,5 +53,3 @@ const char *vs_fate_coil_current(const vs_fate *plan, const char *text);
 
 /* What becomes of an element. */
 const vs_fate_element *vs_fate_of(const vs_fate *plan, const vs_element *element);
-
-#endif

@@ -2,8 +2,7 @@
  * Finds the kind of an element, such as thyristor or diode, and which of its nodes is which pin.
  * What the user says decides; otherwise the element's letter, the names of its subcircuit's pins, a
  * comment that explains them, or a part of its name, beside the netlist or shipped. */
-#ifndef VS_IMPORT_PINS_H
-#define VS_IMPORT_PINS_H
+#pragma once
 
 #include "import/roles.h"
 
@@ -28,5 +27,3 @@ vs_status vs_pins_find(const vs_elements *wiring, const char *asked, const vs_el
 
 /* Error: `asked` names elements that do not exist, or has letters and words without a meaning. */
 vs_status vs_pins_check(const vs_elements *wiring, const char *asked, vs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a netlist says that belongs into a scene instead of a deck: its mains, its firing, its coil.
  */
-#ifndef VS_IMPORT_SETTINGS_H
-#define VS_IMPORT_SETTINGS_H
+#pragma once
 
 #include "base/json.h"
 #include "import/roles.h"
@@ -32,5 +31,3 @@ void vs_settings_write(const vs_settings *settings, const char *deck, const char
 
 /* Adds the member "scene": {"supply.voltage": "230 V", ...}. */
 void vs_settings_json(const vs_settings *settings, const char *deck, vs_json *json);
-
-#endif

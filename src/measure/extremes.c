@@ -5,7 +5,6 @@
 #include <math.h>
 
 #include "engine/step.h"
-#include "plant/coil.h"
 
 /* ---- the extremes of one step ---- */
 

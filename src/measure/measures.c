@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "engine/gate.h"
 #include "netlist/devices.h"
 #include "netlist/kinds.h"

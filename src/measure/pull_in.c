@@ -29,9 +29,11 @@ static void follow_drive(vs_pull_in *p, const vs_step *step) {
   if (on && isnan(p->on_s)) p->on_s = from_s;
   if (p->on && !on) {
     p->off_s = from_s;
-    p->rested = p->still;
+    p->settled = p->settled || p->still;
   }
   p->on = on;
+  p->over = on && !isnan(p->gone_s);
+  if (on && p->away && isnan(p->gone_s) && isnan(p->dropped_s)) p->dropped_s = p->left_s;
 }
 
 /* ---- the contacts ---- */
@@ -54,14 +56,19 @@ static bool is_at_stop(const vs_pull_in *p, const vs_stops *stops, double g_m) {
 }
 
 static void meet(vs_pull_in *p, double t_s, double rate_m_s) {
+  const bool bounced = !p->lay && p->dropped_s == p->left_s;
   p->touches = true;
+  p->away = p->lay = false;
+  p->gone_s = NAN;
   p->last_s = t_s;
+  if (bounced) p->dropped_s = NAN;
+  if (!p->settled) p->bounced_s = t_s;
   if (isnan(p->met_s)) {
     p->met_s = t_s;
     p->speed_m_s = fabs(rate_m_s);
     return;
   }
-  p->bounces++;
+  if (!p->settled) p->bounces++;
   p->flight_s = t_s - p->left_s;
 }
 
@@ -92,16 +99,20 @@ static void look_where_it_is(vs_pull_in *p, const vs_step *step) {
   p->nearest_m = fmin(p->nearest_m, vs_mechanics_travel(m, to->x));
   p->still = p->touches && to->t_s - p->last_s > fmax(p->flight_s, M_PI / m->contact_rad_s) &&
              fabs(vs_mechanics_travel(m, to->x + m->dof)) < STILL * p->speed_m_s;
+  p->lay = p->lay || p->still;
   const double half_m = (m->stops.item[p->stop].at_m + p->from_m) / 2;
-  if (!p->touches && p->off_s <= p->left_s && vs_mechanics_travel(m, to->x) >= half_m)
-    p->gone_s = p->left_s;
+  if (p->touches || isnan(p->left_s) || vs_mechanics_travel(m, to->x) < half_m) return;
+  p->away = true;
+  p->settled = p->settled || p->lay;
+  if (p->off_s <= p->left_s) p->gone_s = p->left_s;
 }
 
 /* A machine that touches the stop from the beginning on does not pull in. */
 static void begin(vs_pull_in *p, const vs_step *step) {
   const vs_model *m = step->frame->model;
   p->began = true;
-  p->on_s = p->off_s = p->met_s = p->last_s = p->left_s = p->gone_s = NAN;
+  p->on_s = p->off_s = p->met_s = p->last_s = p->bounced_s = p->left_s = p->gone_s = p->dropped_s =
+      NAN;
   p->stop = vs_stops_closing(&m->stops);
   p->from_m = p->nearest_m = vs_mechanics_travel(m, step->from->x);
   p->idle = !m->pulls_in || vs_stop_depth(&m->stops.item[p->stop], p->from_m) >= 0;
@@ -109,7 +120,7 @@ static void begin(vs_pull_in *p, const vs_step *step) {
 
 void vs_pull_in_accept(vs_pull_in *p, const vs_step *step) {
   if (!p->began) begin(p, step);
-  if (p->idle || !isnan(p->gone_s)) return;
+  if (p->idle || p->over) return;
   if (step->to->t_s > step->from->t_s) follow_drive(p, step);
   follow_contacts(p, step);
   look_where_it_is(p, step);
@@ -158,9 +169,25 @@ vs_value vs_pull_in_release(const vs_pull_in *p) {
   return value_if(has_met(p) && !isnan(p->gone_s), p->gone_s - p->off_s, p->gone_s);
 }
 
-/* The armature lies still at the end, or did when the voltage went off under which it then left. */
+bool vs_pull_in_drops(const vs_pull_in *p, char *text, size_t size) {
+  if (!p->began || isnan(p->dropped_s)) return false;
+  snprintf(text, size,
+           "the armature let go of the stop at %.4g ms, while the coil was still driven",
+           1e3 * p->dropped_s);
+  return true;
+}
+
+double vs_pull_in_waits_s(const vs_pull_in *p) {
+  return p->began && !p->idle && isnan(p->met_s) ? p->now_s - p->on_s : NAN;
+}
+
+double vs_pull_in_sticks_s(const vs_pull_in *p) {
+  return p->began && p->touches && !p->on ? p->now_s - p->off_s : NAN;
+}
+
+/* The armature lies still at the end, or did when the voltage went off. */
 static bool has_bounced_out(const vs_pull_in *p) {
-  return has_met(p) && (p->still || (p->rested && p->off_s <= p->left_s));
+  return has_met(p) && (p->still || p->settled);
 }
 
 vs_value vs_pull_in_bounces(const vs_pull_in *p) {
@@ -168,7 +195,7 @@ vs_value vs_pull_in_bounces(const vs_pull_in *p) {
 }
 
 vs_value vs_pull_in_bounce_time(const vs_pull_in *p) {
-  return value_if(has_bounced_out(p), p->last_s - p->met_s, p->last_s);
+  return value_if(has_bounced_out(p), p->bounced_s - p->met_s, p->bounced_s);
 }
 
 vs_value vs_pull_in_speed(const vs_pull_in *p) {

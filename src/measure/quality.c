@@ -93,12 +93,6 @@ vs_status vs_quality_read(const vs_node *node, const vs_setup *setup, const vs_f
 
 /* ---- along a run ---- */
 
-/* Over a step in which the highest harmonic turns by no more than TURN, rad, Gauss' rule of few
- * points leaves an error of (TURN/4)^12, far below rounding. Longer ones are cut as in spectrum.c:
- * over a PIECES-th of a cycle the highest harmonic turns by 4 pi. */
-static const double TURN = 0.2;
-enum { SHORT_POINTS = 6, POINTS = 24, PIECES = 20 };
-
 void vs_quality_begin(vs_quality *q, const vs_quality_current *current, const vs_setup *setup) {
   *q = (vs_quality){.channel = current->channel, .over = setup->means};
   int every = setup->timeline.firing.every > 0 ? setup->timeline.firing.every : 1;
@@ -109,13 +103,10 @@ void vs_quality_begin(vs_quality *q, const vs_quality_current *current, const vs
   vs_spectrum_begin(&q->current, setup->timeline.omega_rad_s);
   vs_spectrum_begin_groups(&q->current, q->over.from_s, q->cycles,
                            setup->at_work ? q->cycles : every);
-  q->short_rule = vs_checked(gsl_integration_glfixed_table_alloc(SHORT_POINTS));
 }
 
 void vs_quality_end(vs_quality *q) {
   vs_spectrum_end(&q->current);
-  if (q->short_rule) gsl_integration_glfixed_table_free(q->short_rule);
-  q->short_rule = NULL;
 }
 
 static void add_point_of_current(vs_quality *q, double t_s, double weight_s, const double *y) {
@@ -130,12 +121,11 @@ static void add_point_of_current(vs_quality *q, double t_s, double weight_s, con
 /* A piece of a step, over which the integrals are taken by one application of the rule. It lies
  * wholly within or without each of the two ends that are compared. */
 static void add_piece_of_current(vs_quality *q, const vs_step *step, vs_span_s piece,
-                                 bool is_short) {
-  const gsl_integration_glfixed_table *rule = is_short ? q->short_rule : q->current.rule;
+                                 const gsl_integration_glfixed_table *rule) {
   const unsigned groups = VS_GROUP_V_MAINS | vs_channel_groups(step->frame->model, &q->channel, 1);
   const double length_s = q->half * 2 * M_PI / q->current.omega_rad_s;
   double y[VS_CH_MOST], before = q->current.squared;
-  for (size_t k = 0; k < (is_short ? SHORT_POINTS : POINTS); k++) {
+  for (size_t k = 0; k < rule->n; k++) {
     double t, weight;
     gsl_integration_glfixed_point(piece.from_s, piece.to_s, k, &t, &weight, rule);
     vs_step_groups_at(step, t, groups, y);
@@ -148,14 +138,14 @@ static void add_piece_of_current(vs_quality *q, const vs_step *step, vs_span_s p
 
 /* A stretch of a step, on one side of each cut, and within one cycle where groups are told. */
 static void add_part_of_current(vs_quality *q, const vs_step *step, vs_span_s over) {
-  double length_s = over.to_s - over.from_s, turn = length_s * q->current.omega_rad_s;
-  bool is_short = turn * VS_SPECTRUM_LAST <= TURN;
-  int pieces = is_short ? 1 : (int)ceil(turn * PIECES / (2 * M_PI));
+  const double length_s = over.to_s - over.from_s;
+  gsl_integration_glfixed_table *rule;
+  const int pieces = vs_spectrum_pieces(&q->current, length_s, &rule);
   for (int p = 0; p < pieces; p++)
     add_piece_of_current(
         q, step,
         (vs_span_s){over.from_s + length_s * p / pieces, over.from_s + length_s * (p + 1) / pieces},
-        is_short);
+        rule);
 }
 
 /* A stretch of a step, on one side of each cut. */

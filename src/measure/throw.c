@@ -36,14 +36,15 @@ static void take_throw_at(vs_throw *w, const vs_step *step, double s) {
 }
 
 /* A step is short against the fastest swing, so that a course turns once at most in each of these
- * parts of it. */
-enum { PARTS = 16 };
+ * parts of it, or of LEAST where it is much shorter. */
+enum { PARTS = 16, LEAST = 4 };
 
 /* Takes the places at which the slope of one course is 0. The slope is that of a polynomial through
  * the course's values: where it turns need not be known well, as its value hardly changes there. */
 static void take_throw_turns(vs_throw *w, const vs_step *step, const vs_curve *slope) {
-  for (int p = 0; p < PARTS; p++) {
-    double lo = (double)p / PARTS, hi = (p + 1.0) / PARTS, before = vs_step_curve_value(slope, lo);
+  const int parts = vs_step_parts(step, LEAST, PARTS);
+  for (int p = 0; p < parts; p++) {
+    double lo = (double)p / parts, hi = (p + 1.0) / parts, before = vs_step_curve_value(slope, lo);
     if (before * vs_step_curve_value(slope, hi) > 0) continue;
     for (int n = 0; n < 40; n++) {
       double mid = (lo + hi) / 2;

@@ -24,6 +24,16 @@ static double margin_of_room(double room, double limit, double slack, const vs_j
   return room / (scaled ? range : fmax(fabs(j->least.value), fabs(j->largest.value)));
 }
 
+/* A line without a value or without a limit. */
+static vs_judgement judge_without(const char *unknown) {
+  return (vs_judgement){.unknown = unknown,
+                        .room = {NAN, NAN},
+                        .margin = NAN,
+                        .margin_error = INFINITY,
+                        .over_from_s = NAN,
+                        .failed_s = NAN};
+}
+
 static vs_judgement judge_rating(const vs_measures *m, size_t k) {
   const vs_deck *deck = m->frame->deck;
   const vs_rating *r = &deck->ratings[k];
@@ -41,7 +51,7 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
   j.margin_error = NAN;
   j.margin = fmin(below, above);
   if (above < below) j.stress = j.largest;
-  j.assumed = r->bounds[above < below].assumed;
+  j.unsure = r->bounds[above < below].unsure;
   j.failed_s = j.margin < 0 ? m->passed_s[k] : NAN;
   if (j.margin < 0 && isnan(j.failed_s)) j.failed_s = j.stress.at_s; /* between two knots only */
   j.n_models = vs_parts_models_across(deck, j.probe, j.model);
@@ -87,45 +97,51 @@ static vs_judgement judge_rated(const vs_rated *own, double tolerance) {
   return j;
 }
 
+/* What the parameters in the device's formulas lack; of a voltage in that alone. */
+static unsigned lack_of_formulas(const vs_deck *deck, const vs_device *d, bool voltage) {
+  vs_device of = *d;
+  unsigned lack = 0;
+  if (voltage) of.current = (vs_formula){0};
+  for (unsigned one = VS_ASSUMED; one <= VS_TYPICAL; one <<= 1)
+    if (vs_deck_lacking(deck, one, &of, NULL, &(size_t){0})) lack |= one;
+  return lack;
+}
+
 static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const vs_reduced *r) {
   const vs_value judged = r->judged.known ? r->judged : r->value;
   double limit = r->limit->value, stress = judged.value;
   bool least = r->measure->held == VS_AT_LEAST;
   double room = (least ? stress - limit : limit - stress) / limit;
-  return (vs_judgement){.device = d,
-                        .measure = r->measure,
-                        .limit = r->limit,
-                        .ward = r->measure->held == VS_WARD_AT_MOST ? &deck->devices[d->protects]
-                                                                    : NULL,
-                        .room = {least ? room : INFINITY, least ? INFINITY : room},
-                        .margin = room,
-                        .margin_error = d->doubtful ? INFINITY : NAN,
-                        .hangs = r->by->hangs_on_sequence ? d : NULL,
-                        .makes_fire = r->by->makes_fire,
-                        .is_rate = r->by->is_rate,
-                        .assumed = r->limit->assumed || r->assumed,
-                        .over_v = r->over_v,
-                        .doubt = d->doubtful ? INFINITY : r->doubt / limit,
-                        .spread = r->spread / limit,
-                        .scatter = r->scatter / limit,
-                        .stress = judged,
-                        .over_from_s = r->judged.known ? r->judged_from_s : NAN,
-                        .failed_s = r->failed_s};
+  return (vs_judgement){
+      .device = d,
+      .measure = r->measure,
+      .limit = r->limit,
+      .ward = r->measure->held == VS_WARD_AT_MOST ? &deck->devices[d->protects] : NULL,
+      .room = {least ? room : INFINITY, least ? INFINITY : room},
+      .margin = room,
+      .margin_error = d->doubtful ? INFINITY : NAN,
+      .hangs = r->by->hangs_on_sequence ? d : NULL,
+      .makes_fire = r->by->makes_fire,
+      .is_rate = r->by->is_rate,
+      .unsure = r->limit->unsure | r->unsure | lack_of_formulas(deck, d, r->measure->of == VS_OF_V),
+      .over_v = r->over_v,
+      .doubt = d->doubtful ? INFINITY : r->doubt / limit,
+      .spread = r->spread / limit,
+      .scatter = r->scatter / limit,
+      .stress = judged,
+      .over_from_s = r->judged.known ? r->judged_from_s : NAN,
+      .failed_s = r->failed_s};
 }
 
 /* A limit that decides and that the device's part, a real one, does not state. A measure of what
  * did not occur in the run asks nothing of the part, and has no such line. */
 static vs_judgement judge_lacking(const vs_deck *deck, const vs_device *d, const vs_reduced *r) {
-  return (vs_judgement){.device = d,
-                        .measure = r->measure,
-                        .unknown = "its part does not state the limit",
-                        .lacks = deck->parts[d->part].subcircuit,
-                        .room = {NAN, NAN},
-                        .margin = NAN,
-                        .margin_error = INFINITY,
-                        .stress = r->value,
-                        .over_from_s = NAN,
-                        .failed_s = NAN};
+  vs_judgement j = judge_without("its part does not state the limit");
+  j.device = d;
+  j.measure = r->measure;
+  j.lacks = deck->parts[d->part].subcircuit;
+  j.stress = r->value;
+  return j;
 }
 
 const char *vs_verdict_unknown(const vs_judgement *j, char *text, size_t size) {
@@ -237,17 +253,11 @@ static bool is_unwatched(const vs_deck *deck, size_t part) {
 static vs_judgement judge_unwatched(const vs_part *part) {
   static const vs_rating NO_END = {.min = -INFINITY, .max = INFINITY};
   const vs_value none = {false, NAN, NAN};
-  return (vs_judgement){.rating = &NO_END,
-                        .name = part->name,
-                        .unknown = "no line '*$ device' of the deck watches this part",
-                        .least = none,
-                        .largest = none,
-                        .stress = none,
-                        .room = {NAN, NAN},
-                        .margin = NAN,
-                        .margin_error = INFINITY,
-                        .over_from_s = NAN,
-                        .failed_s = NAN};
+  vs_judgement j = judge_without("no line '*$ device' of the deck watches this part");
+  j.rating = &NO_END;
+  j.name = part->name;
+  j.least = j.largest = j.stress = none;
+  return j;
 }
 
 void vs_verdict_make(const vs_measures *m, const vs_devices *devices, const vs_expects *expects,

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/text.h"
-
 /* ---- absence ---- */
 
 static void end_absence(vs_absence *a, double until_s) {

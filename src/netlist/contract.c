@@ -81,22 +81,23 @@ static vs_status set_range(vs_field *field, param_text *p, char *default_text, s
   return VS_OK;
 }
 
-/* param NAME = VALUE UNIT MIN..MAX [assumed] "TEXT", from behind the range on */
+/* param NAME = VALUE UNIT MIN..MAX [assumed | typical] "TEXT", from behind the range on */
 static vs_status read_param_number(vs_deck *deck, vs_cursor *c, param_text *p, vs_error *err) {
   char text[VS_DECK_TEXT], default_text[2 * VS_DECK_NAME];
   vs_field field = {.kind = VS_REAL, .key = p->name, .unit = p->unit, .default_text = default_text};
   vs_status status = set_range(&field, p, default_text, sizeof default_text, err);
   if (status) return status;
-  bool assumed = vs_cursor_is(c, "assumed");
+  const unsigned unsure = vs_deck_unsure(c);
   status = vs_cursor_text(c, text, sizeof text, err);
   vs_text shown = {0};
-  vs_text_add(&shown, "%s%s", text, assumed ? " (assumed)" : "");
+  vs_text_add(&shown, "%s%s", text, vs_deck_unsure_notes[unsure]);
   field.text = shown.text;
   size_t n = deck->section.count - 1 - deck->n_parts; /* parameters so far */
   if (!status && n >= VS_DECK_MOST)
     status = vs_fail_at(err, p->where, "more than %d parameters", VS_DECK_MOST);
   field.offset = offsetof(vs_circuit_values, params) + n * sizeof(double);
   if (!status) status = vs_deck_add_field(deck, &field, p->where, err);
+  if (!status) memset(deck->unsure[n], (int)unsure, sizeof deck->unsure[n]);
   vs_text_free(&shown);
   return status;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "netlist/deck.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -30,6 +29,14 @@ const vs_field vs_deck_key = {"deck",
                               "netlist: a file, or the name of one that comes with the program",
                               NULL,
                               NULL};
+
+const char *const vs_deck_unsure_words[4] = {"", "assumed", "typical", "assumed, typical"},
+                  *const vs_deck_unsure_notes[4] = {"", " (assumed)", " (typical)",
+                                                    " (assumed, typical)"};
+
+unsigned vs_deck_unsure(vs_cursor *c) {
+  return vs_cursor_is(c, "assumed") ? VS_ASSUMED : vs_cursor_is(c, "typical") ? VS_TYPICAL : 0;
+}
 
 const char *const vs_deck_standard_names[] = {
     [VS_STANDARD_U_RMS] = "u_rms",       [VS_STANDARD_F_MAINS] = "f_mains",
@@ -249,6 +256,64 @@ static vs_status find_value(const vs_deck *deck, const vs_named *named,
   return vs_fail_at(
       err, where, "no parameter '%s' is declared%s%s", named->name, within,
       vs_text_hint(named->name, known, count, "; '*$ param NAME = ...' declares one").text);
+}
+
+/* ---- parameters that no source vouches for ---- */
+
+static bool formula_names(const vs_deck *deck, const vs_formula *f, const char *key) {
+  for (size_t k = 0; k < f->count; k++) {
+    const int name = vs_formula_name_of(&f->ops[k]);
+    if (name >= 0 && !strcasecmp(deck->names[name].name, key)) return true;
+  }
+  return false;
+}
+
+/* True where the text names the parameter, or one of .param that is made of it. */
+static bool text_names(const vs_cards *c, const char *text, const char *key, int depth) {
+  enum { DEEPEST = 8 };
+  if (vs_words_find(text, text, key, strlen(key))) return true;
+  for (size_t k = 0; k < c->n_definitions && depth < DEEPEST; k++) {
+    const vs_netlist_definition *d = &c->definition[k];
+    if (d->kind != VS_CARDS_PARAM || d->scope || !vs_words_find(text, text, d->name.at, d->name.n))
+      continue;
+    char *body = vs_alloc_part(d->body.at, d->body.n);
+    const bool names = text_names(c, body, key, depth + 1);
+    free(body);
+    if (names) return true;
+  }
+  return false;
+}
+
+/* What stands behind the nodes of the element; NULL: there is none of that name. */
+static const char *behind_nodes(const vs_cards *c, const char *element) {
+  for (size_t k = 0; k < c->count; k = vs_cards_next(c, k)) {
+    const vs_netlist_card *card = &c->card[k];
+    if (card->kind == VS_CARDS_ELEMENT && vs_words_is(card->name, element) &&
+        card->count > card->nodes) {
+      const vs_argument *a = &c->arguments[card->first + card->nodes];
+      return a->name.n ? a->name.at : a->value.at;
+    }
+  }
+  return NULL;
+}
+
+const char *vs_deck_lacking(const vs_deck *deck, unsigned lack, const vs_device *d,
+                            const char *element, size_t *k) {
+  const vs_cards *c = vs_deck_cards(deck);
+  const char *text = element ? behind_nodes(c, element) : NULL;
+  size_t param = 0;
+  for (size_t n = 1; n < deck->section.count; n++) {
+    const char *key = deck->section.fields[n].key;
+    if (deck->section.fields[n].kind != VS_REAL || param++ < *k ||
+        !(deck->unsure[param - 1][1] & lack))
+      continue;
+    if ((d && (formula_names(deck, &d->voltage, key) || formula_names(deck, &d->current, key))) ||
+        (text && text_names(c, text, key, 0))) {
+      *k = param;
+      return key;
+    }
+  }
+  return NULL;
 }
 
 /* ---- the mains behind a device ---- */

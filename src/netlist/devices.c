@@ -89,10 +89,10 @@ static bool read_plain(vs_cursor *c, const char *unit, double *value) {
   return end != number && !*end && (!unit || !strcmp(written, unit));
 }
 
-/* Reads [assumed] "TEXT", the end of a row, of which there may be `most`. */
-static vs_status end_row(vs_cursor *c, bool *assumed, size_t count, int most, vs_error *err) {
+/* Reads [assumed | typical] "TEXT", the end of a row, of which there may be `most`. */
+static vs_status end_row(vs_cursor *c, unsigned *unsure, size_t count, int most, vs_error *err) {
   char text[VS_DECK_TEXT];
-  *assumed = vs_cursor_is(c, "assumed");
+  *unsure = vs_deck_unsure(c);
   vs_status status = vs_cursor_text(c, text, sizeof text, err);
   return status || count < (size_t)most
              ? status
@@ -111,7 +111,7 @@ vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err) {
   size_t same =
       deck->n_zth < VS_DECK_LIMITS ? 0 : VS_PART_ZTH; /* of the part; or the deck is full */
   for (size_t k = 0; k < deck->n_zth; k++) same += !strcmp(deck->zth[k].where.file, c->line.file);
-  vs_status status = end_row(c, &zth.assumed, same, VS_PART_ZTH, err);
+  vs_status status = end_row(c, &zth.unsure, same, VS_PART_ZTH, err);
   if (!status) deck->zth[deck->n_zth++] = zth;
   return status;
 }
@@ -132,7 +132,7 @@ vs_status vs_devices_time_current(vs_deck *deck, vs_cursor *c, vs_error *err) {
                       "time_current: behind %.9g s and %.9g A a longer time and a smaller current "
                       "are wanted, not %.9g s and %.9g A",
                       last->time_s, last->current_a, row.time_s, row.current_a);
-  vs_status status = end_row(c, &row.assumed, deck->n_melting, VS_DECK_LIMITS, err);
+  vs_status status = end_row(c, &row.unsure, deck->n_melting, VS_DECK_LIMITS, err);
   if (!status) deck->melting[deck->n_melting++] = row;
   return status;
 }
@@ -172,7 +172,7 @@ vs_status vs_devices_derate(vs_deck *deck, vs_cursor *c, vs_error *err) {
                       "a part are wanted, not %.9g degC and %.9g %%",
                       row.limit, last->ambient_degc, 100 * last->factor, row.ambient_degc,
                       100 * row.factor);
-  vs_status status = end_row(c, &row.assumed, deck->n_ambients, VS_DECK_MOST, err);
+  vs_status status = end_row(c, &row.unsure, deck->n_ambients, VS_DECK_MOST, err);
   if (!status) deck->ambients[deck->n_ambients++] = row;
   return status;
 }
@@ -209,7 +209,7 @@ vs_status vs_devices_pulse(vs_deck *deck, vs_cursor *c, vs_error *err) {
                       "pulses bear no more",
                       d.current_a, d.number, 1e6 * d.width_s, other->current_a, other->number,
                       1e6 * other->width_s, other->where.line);
-  vs_status status = end_row(c, &d.assumed, deck->n_deratings, VS_DECK_LIMITS, err);
+  vs_status status = end_row(c, &d.unsure, deck->n_deratings, VS_DECK_LIMITS, err);
   if (!status) deck->deratings[deck->n_deratings++] = d;
   return status;
 }
@@ -225,7 +225,7 @@ vs_status vs_devices_surge(vs_deck *deck, vs_cursor *c, vs_error *err) {
         err, where,
         "surge: a number of cycles, from 1 on, and a peak current are wanted here, as "
         "10 95 A");
-  vs_status status = end_row(c, &row.assumed, deck->n_surges, VS_DECK_LIMITS, err);
+  vs_status status = end_row(c, &row.unsure, deck->n_surges, VS_DECK_LIMITS, err);
   for (size_t k = 0; k < deck->n_surges && !status; k++)
     if (!strcmp(deck->surges[k].where.file, c->line.file) && deck->surges[k].number == row.number)
       status = vs_fail_at(err, where, "surge: %g cycles stand here a second time; leave one out",
@@ -257,7 +257,7 @@ vs_status vs_devices_at(vs_deck *deck, vs_cursor *c, vs_error *err) {
     return vs_fail_at(err, where, "at: a positive value of limit %s is wanted here%s%s", at.name,
                       usual ? ", in a unit as " : "; no limit of that name is known",
                       usual ? usual : "");
-  status = end_row(c, &at.assumed, deck->n_limits_at, VS_DECK_MOST, err);
+  status = end_row(c, &at.unsure, deck->n_limits_at, VS_DECK_MOST, err);
   if (!status) deck->limits_at[deck->n_limits_at++] = at;
   return status;
 }
@@ -479,27 +479,27 @@ static double power_law_between(const bracket *b, double at) {
 
 /* The current of the rows of one number, at that width. */
 static double at_width(const vs_deck *deck, const char *file, double number, double width_s,
-                       bool *assumed) {
+                       unsigned *unsure) {
   bracket b = NONE;
   for (size_t k = 0; k < deck->n_deratings; k++) {
     const vs_derating *d = &deck->deratings[k];
     if (strcmp(d->where.file, file) || d->number != number) continue;
     narrow(&b, d->width_s, width_s, d->current_a);
-    *assumed = *assumed || d->assumed;
+    *unsure |= d->unsure;
   }
   return power_law_between(&b, width_s);
 }
 
 double vs_devices_bears(const vs_deck *deck, const vs_device *device, double width_s, double number,
-                        bool *assumed) {
+                        unsigned *unsure) {
   const char *file = file_of(deck, device);
   bracket b = NONE;
-  *assumed = false;
+  *unsure = 0;
   for (size_t k = 0; file && k < deck->n_deratings; k++)
     if (!strcmp(deck->deratings[k].where.file, file))
       narrow(&b, deck->deratings[k].number, number, 0);
   for (int n = 0; n < 2; n++)
-    b.y[n] = isinf(b.x[n]) ? NAN : at_width(deck, file, b.x[n], width_s, assumed);
+    b.y[n] = isinf(b.x[n]) ? NAN : at_width(deck, file, b.x[n], width_s, unsure);
   return power_law_between(&b, number);
 }
 
@@ -518,15 +518,15 @@ bool vs_devices_curve(const vs_deck *deck, const vs_device *device, double span_
 }
 
 double vs_devices_melts_at(const vs_deck *deck, const vs_device *device, double time_s,
-                           bool *assumed) {
+                           unsigned *unsure) {
   const char *file = file_of(deck, device);
   bracket b = NONE;
-  *assumed = false;
+  *unsure = 0;
   for (size_t k = 0; file && k < deck->n_melting; k++) {
     const vs_melting_row *row = &deck->melting[k];
     if (strcmp(row->where.file, file)) continue;
     narrow(&b, row->time_s, time_s, row->current_a);
-    *assumed = *assumed || row->assumed;
+    *unsure |= row->unsure;
   }
   return isinf(b.x[0]) ? NAN : power_law_between(&b, time_s);
 }
@@ -534,12 +534,12 @@ double vs_devices_melts_at(const vs_deck *deck, const vs_device *device, double 
 /* ---- what is left at an ambient temperature ---- */
 
 /* The part of the limit that is left; 1: no line names it. NaN: the lines end before. */
-static double left_at(const vs_deck *deck, const vs_limit *limit, double degc, bool *assumed) {
+static double left_at(const vs_deck *deck, const vs_limit *limit, double degc, unsigned *unsure) {
   const vs_ambient_row *below = NULL, *above = NULL;
   for (size_t k = 0; k < deck->n_ambients; k++) {
     const vs_ambient_row *row = &deck->ambients[k];
     if (strcmp(row->where.file, limit->where.file) || strcmp(row->limit, limit->name)) continue;
-    *assumed = *assumed || row->assumed;
+    *unsure |= row->unsure;
     if (row->ambient_degc <= degc) below = row;
     if (row->ambient_degc >= degc && !above) above = row;
   }
@@ -553,13 +553,13 @@ static double left_at(const vs_deck *deck, const vs_limit *limit, double degc, b
 const vs_limit *vs_devices_derated(const vs_deck *deck, const vs_limit *limit, double ambient_degc,
                                    vs_limit *own) {
   static const double NOTHING = 1e-9;
-  bool assumed = false;
-  double factor = left_at(deck, limit, ambient_degc, &assumed);
+  unsigned unsure = 0;
+  double factor = left_at(deck, limit, ambient_degc, &unsure);
   if (factor == 1) return limit;
   if (isnan(factor)) return NULL;
   *own = *limit;
   own->value *= fmax(factor, NOTHING);
-  own->assumed = limit->assumed || assumed;
+  own->unsure = limit->unsure | unsure;
   snprintf(own->text, sizeof own->text, "%.4g %% of %s at %.4g degC", 100 * factor, limit->written,
            ambient_degc);
   snprintf(own->written, sizeof own->written, "%.4g %s", own->value / vs_units_factor(limit->unit),
@@ -596,15 +596,15 @@ static vs_status check_tables(const vs_deck *deck, vs_error *err) {
 /* ---- surges, temperatures, thermal resistances ---- */
 
 double vs_devices_bears_surge(const vs_deck *deck, const vs_device *device, double number,
-                              bool *assumed) {
+                              unsigned *unsure) {
   const char *file = file_of(deck, device);
   bracket b = NONE;
-  *assumed = false;
+  *unsure = 0;
   for (size_t k = 0; file && k < deck->n_surges; k++) {
     const vs_surge_row *row = &deck->surges[k];
     if (strcmp(row->where.file, file)) continue;
     narrow(&b, row->number, number, row->current_a);
-    *assumed = *assumed || row->assumed;
+    *unsure |= row->unsure;
   }
   return power_law_between(&b, number);
 }
@@ -630,19 +630,19 @@ const vs_limit_at *vs_devices_limit_at(const vs_deck *deck, const vs_device *dev
 }
 
 double vs_devices_r_th(const vs_deck *deck, const vs_device *device, const char *name,
-                       bool *assumed) {
+                       unsigned *unsure) {
   const char *file = file_of(deck, device);
   double sum = 0;
   if (!file) return NAN;
   for (size_t k = 0; k < deck->n_zth && !strcmp(name, "r_th_jc"); k++)
     if (!strcmp(deck->zth[k].where.file, file)) {
       sum += deck->zth[k].k_per_w;
-      *assumed = *assumed || deck->zth[k].assumed;
+      *unsure |= deck->zth[k].unsure;
     }
   if (sum > 0) return sum;
   const vs_limit *limit = vs_parts_find_limit(deck, file, name);
   if (!limit || !isfinite(limit->value)) return NAN;
-  *assumed = *assumed || limit->assumed;
+  *unsure |= limit->unsure;
   return limit->value;
 }
 
@@ -660,8 +660,8 @@ static double limit_value(const vs_deck *deck, const char *file, const char *nam
 /* Errors: r_th_jc that is not what the lines zth add up to, r_th_ja below r_th_jc. */
 static vs_status check_heat(const vs_deck *deck, const vs_device *d, vs_error *err) {
   const char *file = file_of(deck, d);
-  bool assumed = false;
-  double r_jc = vs_devices_r_th(deck, d, "r_th_jc", &assumed);
+  unsigned unsure = 0;
+  double r_jc = vs_devices_r_th(deck, d, "r_th_jc", &unsure);
   const vs_limit *jc = file ? vs_parts_find_limit(deck, file, "r_th_jc") : NULL;
   const vs_limit *ja = file ? vs_parts_find_limit(deck, file, "r_th_ja") : NULL;
   vs_status status = VS_OK;

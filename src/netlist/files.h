@@ -2,8 +2,7 @@
  * Reads the files of a deck: their lines, joined with those that continue them, go into the deck,
  * what begins with "*$" by the contract, everything else once it is held to the rules. Of libraries
  * of the user's that are included, only what is called is read (library.h). */
-#ifndef VS_NETLIST_FILES_H
-#define VS_NETLIST_FILES_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -23,5 +22,3 @@ void vs_files_tell_unread(vs_deck *deck);
 
 /* True for a file that the deck was read from. */
 bool vs_files_has(const vs_deck *deck, const char *path);
-
-#endif

@@ -146,8 +146,8 @@ static const vs_device_measure TRIAC[] = {
      "where this is less; compared, as the model of a triac fires by dv/dt",
      VS_R_RETURN_RISE, VS_OF_V, 1, "dv_dt_c", VS_AT_MOST},
     {"di_dt_c", "A/ms",
-     "steepest fall of a current to its zero, mean rate from a tenth of its peak or over the last "
-     "50 us: (di/dt)c",
+     "steepest fall of a current to its zero behind which voltage is back within 1.5 ms (ten t_q), "
+     "mean rate from a tenth of its peak, or over the last 50 us (assumed) if steeper: (di/dt)c",
      VS_R_FALL, VS_OF_I, 1, "di_dt_c", VS_AT_MOST},
     {I_PEAK("i_trm")},
     {SURGE("i_tsm")},

@@ -3,9 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
-#include "base/text.h"
 #include "netlist/words.h"
 
 /* ---- what is in a file ---- */

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Libraries that a deck includes. Of a maker's file only the subcircuits and models are read that
  * something calls, so that a slip in another part of it is no error of the deck's. */
-#ifndef VS_NETLIST_LIBRARY_H
-#define VS_NETLIST_LIBRARY_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -48,5 +47,3 @@ void vs_library_call(vs_library *lib, vs_word name);
 const vs_library_block *vs_library_next(vs_library *lib, const vs_line *lines, size_t count);
 
 void vs_library_free(vs_library *lib);
-
-#endif

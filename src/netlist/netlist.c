@@ -20,7 +20,6 @@
 #include "lint/subcircuits.h"
 #include "netlist/cards.h"
 #include "netlist/catalogue.h"
-#include "netlist/contract.h"
 #include "netlist/devices.h"
 #include "netlist/eva.h"
 #include "netlist/kinds.h"

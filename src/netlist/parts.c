@@ -28,7 +28,7 @@ vs_status vs_parts_kind(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status;
 }
 
-/* Reads the rest of "VALUE UNIT [assumed]" behind the value, whose place is `where`. */
+/* Reads the rest of "VALUE UNIT [assumed | typical]" behind the value, whose place is `where`. */
 static vs_status read_amount(vs_limit *limit, vs_cursor *c, const char *value, vs_where where,
                              vs_error *err) {
   char why[200];
@@ -46,7 +46,7 @@ static vs_status read_amount(vs_limit *limit, vs_cursor *c, const char *value, v
                       "not '%s'%s%s",
                       limit->name, limit->written, usual ? "; its unit is written as " : "",
                       usual ? usual : "");
-  limit->assumed = vs_cursor_is(c, "assumed");
+  limit->unsure = vs_deck_unsure(c);
   return VS_OK;
 }
 
@@ -278,7 +278,7 @@ static vs_status resolve_bound(const vs_deck *deck, const vs_rating *r, vs_bound
     return vs_fail_at(err, limit->where, "limit %s: a unit as %s is wanted, for the rating of %s",
                       limit->name, r->unit, deck->probes[r->probe].name);
   *value = bound->sign * limit->value;
-  bound->assumed = limit->assumed;
+  bound->unsure = limit->unsure;
   return VS_OK;
 }
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The units of a deck's probes, held to what they measure. A unit of another kind would stand above
  * a column of numbers that it is not the unit of. */
-#ifndef VS_NETLIST_PROBES_H
-#define VS_NETLIST_PROBES_H
+#pragma once
 
 #include "netlist/deck.h"
 
@@ -11,5 +10,3 @@
  * sum of two currents, and no current is in volt. Error: another unit, or one with a prefix, as mV,
  * with its place. */
 vs_status vs_probes_check_units(const vs_deck *deck, vs_error *err);
-
-#endif

@@ -7,7 +7,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "base/text.h"
 #include "netlist/cards.h"
 #include "netlist/reserved.h"
 #include "netlist/words.h"

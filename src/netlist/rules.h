@@ -2,8 +2,7 @@
  * What may stand in a deck, line by line (continuations joined): circuits, and nothing that runs a
  * command, reads or writes a file, or takes a name of the program's. Errors have the line's place.
  */
-#ifndef VS_NETLIST_RULES_H
-#define VS_NETLIST_RULES_H
+#pragma once
 
 #include "netlist/cards.h"
 #include "netlist/deck.h"
@@ -28,5 +27,3 @@ vs_status vs_rules_element(vs_deck *deck, const vs_cards *one, vs_error *err);
  * in others. `pspice` says that the deck is read in that dialect, whose LIMIT of three arguments
  * draws nothing; with another number of them, or a blank before them, ngspice does not know it. */
 vs_status vs_rules_random(const vs_line *line, bool pspice, vs_error *err);
-
-#endif

@@ -8,8 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/alloc.h"
 #include "base/shutdown.h"
-#include "base/text.h"
 #include "ngspice/child.h"
 
 /* By this variable of the environment a process knows that it has begun anew. It has the number of

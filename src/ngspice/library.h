@@ -5,8 +5,7 @@
  * Loading it in a second thread while the scene is read was tried. It saved 0.3 ms of 4 ms, and
  * made every run 3 % longer: ngspice takes a lock around each of its requests for memory, and locks
  * are dear in a process that has ever had two threads. */
-#ifndef VS_NGSPICE_LIBRARY_H
-#define VS_NGSPICE_LIBRARY_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -40,5 +39,3 @@ vs_status vs_library_open(vs_library_begin begin, vs_error *err);
  * beside the library, by calling begin once more, which ngspice takes only while it has had no
  * circuit. Errors: those of vs_library_open. */
 vs_status vs_library_complete(vs_error *err);
-
-#endif

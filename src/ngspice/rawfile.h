@@ -2,8 +2,7 @@
  * A rawfile as ngspice's `load` reads it, written point by point: a head of text (ngspice manual,
  * "Rawfile format"), then each point as doubles in the machine's own order of bytes. It bears no
  * date, so that the same run gives the same bytes. */
-#ifndef VS_NGSPICE_RAWFILE_H
-#define VS_NGSPICE_RAWFILE_H
+#pragma once
 
 #include <stddef.h>
 #include <stdio.h>
@@ -32,5 +31,3 @@ vs_status vs_rawfile_room(const vs_rawfile *raw, double t_s, vs_error *err);
 vs_status vs_rawfile_point(vs_rawfile *raw, const double *values, vs_error *err);
 /* Fills in the number of points; the stream is left open. Error: it cannot be written to. */
 vs_status vs_rawfile_end(vs_rawfile *raw, vs_error *err);
-
-#endif

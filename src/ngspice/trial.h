@@ -2,8 +2,7 @@
  * The trial of a netlist in a child process (ngspice/child.h), and the search for the line that is
  * wrong in one that is no good. Some complaints of ngspice name the line. Where they do not, it is
  * found by leaving lines out. */
-#ifndef VS_NGSPICE_TRIAL_H
-#define VS_NGSPICE_TRIAL_H
+#pragma once
 
 #include <stddef.h>
 
@@ -34,5 +33,3 @@ void vs_trial_blame(vs_trial *trial);
  * nothing where it names none that is found. */
 void vs_trial_place(const vs_solver_errors *complaints, const vs_circuit_job *job, char *text,
                     size_t size);
-
-#endif

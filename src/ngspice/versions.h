@@ -9,8 +9,7 @@
  *
  * Powers of negative numbers: pow(x, y), x**y and x^y are |x|^y up to ngspice 46. In 47 they are x
  * to the y where y is whole, and 0 where it is not. They are told. */
-#ifndef VS_NGSPICE_VERSIONS_H
-#define VS_NGSPICE_VERSIONS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -43,5 +42,3 @@ bool vs_versions_at_end(double left_s, double max_step_s);
  * each step back from the end by the least bit, it goes half of the way again and again, 37 times.
  * The second half in turn is made a whole. Any other step is left as it is. */
 double vs_versions_step(vs_last_steps *ending, double left_s, double step_s);
-
-#endif

@@ -3,7 +3,6 @@
 
 #include <math.h>
 
-#include "base/csv.h"
 #include "base/units.h"
 #include "branch_points.h"
 #include "orbit_extremes.h"

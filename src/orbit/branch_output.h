@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What is told of a branch: its points and marks as CSV, as JSON and as a table. */
-#ifndef VS_ORBIT_BRANCH_OUTPUT_H
-#define VS_ORBIT_BRANCH_OUTPUT_H
+#pragma once
 
 #include <stdio.h>
 
@@ -21,5 +20,3 @@ void vs_branch_output_print(const vs_continuation *walk, FILE *out);
 /* What the gap cannot do: "pole_cover", the armature goes beyond it, and there is no stop; "iron",
  * it goes where no gap is left. "": the orbit is one of the machine. */
 const char *vs_branch_output_beyond(const vs_branch_point *at);
-
-#endif

@@ -8,8 +8,7 @@
  * s further on, or that of one value of k. Newton's iteration solves both together by the matrix
  * (I - dP/dx, -dP/dk; n), which is regular at a fold, too, where I - dP/dx alone is not. dP/dx is
  * the monodromy matrix; it and dP/dk come with the run (orbit/variation.h). */
-#ifndef VS_ORBIT_BRANCH_POINTS_H
-#define VS_ORBIT_BRANCH_POINTS_H
+#pragma once
 
 #include "orbit/branch_parameter.h"
 #include "orbit/shooting.h"
@@ -74,5 +73,3 @@ void vs_branch_points_rescale(vs_branch_points *path, vs_branch_point *at);
  * orbit leaves the coil's law. VS_INPUT: a value of the key on the way is not allowed. */
 vs_status vs_branch_points_solve(vs_branch_points *path, const vs_branch_plane *plane,
                                  vs_branch_point *point, vs_error *err);
-
-#endif

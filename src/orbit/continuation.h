@@ -2,8 +2,7 @@
  * The walk along a branch of orbits: from the orbit at the first value of the key, step by step in
  * the direction of the branch (pseudo-arclength), around folds, until it leaves the key's range or
  * cannot go on. Between neighbours it looks for marks. */
-#ifndef VS_ORBIT_CONTINUATION_H
-#define VS_ORBIT_CONTINUATION_H
+#pragma once
 
 #include <signal.h>
 
@@ -45,5 +44,3 @@ typedef struct vs_continuation {
 vs_status vs_continuation_go(vs_continuation *walk, vs_branch_parameter *along, int periods,
                              const volatile sig_atomic_t *stop, vs_error *err);
 void vs_continuation_free(vs_continuation *walk);
-
-#endif

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "engine/tiers.h"
 #include "measure/throw.h"
 #include "orbit/picard.h"

@@ -2,8 +2,7 @@
  * load.fraction: auto. The share of the material that rides, lambda_t, follows from the throw
  * coefficient K by the paper's empirical range (vs_model_fraction); K is that of the machine's
  * orbit; and the orbit is that of a machine which carries this share. */
-#ifndef VS_ORBIT_FRACTION_H
-#define VS_ORBIT_FRACTION_H
+#pragma once
 
 #include "run/scene.h"
 
@@ -19,5 +18,3 @@
  * budget of cycles is spent before, with how far it came. Where it is spent in the search for
  * another share the scene is warned. */
 vs_status vs_fraction_settle(vs_scene *scene, int periods, vs_error *err);
-
-#endif

@@ -13,6 +13,7 @@ void vs_full_newton_free(vs_full_newton *f) {
   free(f->factors);
   free(f->order);
   free(f->part);
+  free(f->from);
   *f = (vs_full_newton){0};
 }
 
@@ -27,6 +28,8 @@ static void allocate(vs_full_newton *f, int states) {
   f->factors = vs_alloc(n * n, sizeof *f->factors);
   f->order = vs_alloc(n, sizeof *f->order);
   f->part = vs_alloc(n, sizeof *f->part);
+  f->from = vs_alloc(2 * n, sizeof *f->from);
+  f->to = f->from + n;
 }
 
 /* ---- Phi ---- */
@@ -112,7 +115,9 @@ static void follow_others(const vs_full_newton *f, vs_circuit_map *map) {
   }
 }
 
-static bool correct(vs_full_newton *f, vs_circuit_map *map, double *size) {
+/* Fills step, by the last Phi, in parts of the sizes, and the largest of it. False: none is found.
+ */
+static bool find_step(vs_full_newton *f, const vs_circuit_map *map, double *size) {
   const size_t n = (size_t)f->parts;
   for (size_t k = 0; k < n; k++) {
     const int of = f->part[k];
@@ -122,14 +127,60 @@ static bool correct(vs_full_newton *f, vs_circuit_map *map, double *size) {
   gsl_vector_view b = gsl_vector_view_array(f->step, n);
   gsl_permutation p = {n, f->order};
   if (gsl_linalg_LU_svx(&a.matrix, &p, &b.vector)) return false;
-  follow_others(f, map);
   *size = 0;
   for (size_t k = 0; k < n; k++)
     if (!(fabs(f->step[k]) <= *size)) *size = fabs(f->step[k]);
-  const double part = *size > LONGEST ? LONGEST / *size : 1;
-  for (size_t k = 0; k < n; k++)
-    map->next[f->part[k]] = map->start[f->part[k]] + part * f->step[k] * f->scale[f->part[k]];
   return isfinite(*size);
+}
+
+/* Goes so far of the way from `from` to `to`. */
+static void go_part(const vs_full_newton *f, vs_circuit_map *map) {
+  for (int k = 0; k < f->states; k++)
+    map->next[k] = f->to[k] - (1 - f->taken) * (f->to[k] - f->from[k]);
+}
+
+/* A whole step leads there. */
+static void set_next(const vs_full_newton *f, vs_circuit_map *map) {
+  follow_others(f, map);
+  for (int k = 0; k < f->parts; k++) {
+    const int of = f->part[k];
+    map->next[of] = map->start[of] + f->step[k] * f->scale[of];
+  }
+}
+
+static bool correct(vs_full_newton *f, vs_circuit_map *map, double *size) {
+  if (!find_step(f, map, size)) return false;
+  set_next(f, map);
+  memcpy(f->from, map->start, (size_t)f->states * sizeof *f->from);
+  memcpy(f->to, map->next, (size_t)f->states * sizeof *f->to);
+  f->taken = *size > LONGEST ? LONGEST / *size : 1;
+  go_part(f, map);
+  return true;
+}
+
+/* Deuflhard's damping (Newton Methods for Nonlinear Problems, section 3.2): behind a part of a
+ * correction, the same Phi is to find a smaller one left. Where it does not, as a transformer has
+ * come to saturate, a shorter part is tried, which is as a parabola would have it, and SHORTER of
+ * this one at most. One that was less than TRUSTED is not judged. */
+static const double TRUSTED = 0.05, SHORTER = 0.5, SHORTEST = 0.05;
+enum { MOST_SHORTER = 12 };
+
+static bool goes_too_far(vs_full_newton *f, vs_circuit_map *map) {
+  double left;
+  if (f->shorter == MOST_SHORTER || !(f->taken * f->size > TRUSTED)) return false;
+  if (find_step(f, map, &left) && left <= (1 - f->taken / 4) * f->size) return false;
+  double bend = 0;
+  for (int k = 0; k < f->parts; k++) {
+    const int of = f->part[k];
+    const double whole = (f->to[of] - f->from[of]) / f->scale[of];
+    bend = fmax(bend, fabs(f->step[k] - (1 - f->taken) * whole));
+  }
+  const double best = f->taken * f->taken * f->size / (2 * bend);
+  f->taken *= best > SHORTEST * f->taken ? fmin(best / f->taken, SHORTER) : SHORTEST;
+  f->shorter++;
+  map->returns = true;
+  go_part(f, map);
+  return true;
 }
 
 bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, const double *x,
@@ -144,6 +195,11 @@ bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, co
     settle(f, map, machine, size);
     return true;
   }
+  if (f->passes > SETTLES + 1 && goes_too_far(f, map)) {
+    *size = f->size;
+    return true;
+  }
+  f->shorter = 0;
   const bool anew = map->wants_slope;
   f->phis += anew;
   f->failed = f->passes > MOST || f->phis > MOST_PHI ||
@@ -154,6 +210,15 @@ bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, co
   map->wants_slope = *size > FAR || slow || (*size < CLOSE && f->phi_off > NEAR);
   f->size = *size;
   return !f->failed;
+}
+
+bool vs_full_newton_close(vs_full_newton *f, vs_circuit_map *map, int machine, const double *x,
+                          double *size) {
+  map->tell(map->solver);
+  memcpy(map->end, x, (size_t)machine * sizeof *x);
+  if (map->states != f->states || !find_step(f, map, size)) return false;
+  set_next(f, map);
+  return true;
 }
 
 bool vs_full_newton_ends(const vs_full_newton *f, vs_circuit_map *map, bool closed, bool precise) {

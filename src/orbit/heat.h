@@ -2,8 +2,7 @@
  * What the devices of a circuit turn into heat on an orbit, and how warm that makes a junction:
  * its mean rise over the case, and how warm the case may be. The largest rise over the period is a
  * measure of the device (netlist/kinds.c: t_j_rise). */
-#ifndef VS_ORBIT_HEAT_H
-#define VS_ORBIT_HEAT_H
+#pragma once
 
 #include "measure/devices.h"
 
@@ -17,5 +16,3 @@ typedef struct vs_heat {
  * of a run of whole periods, whose length is span_s; not finished yet: the values mean nothing.
  * NULL: there are no devices. */
 bool vs_heat_at(const vs_devices *devices, double span_s, int k, vs_heat *heat);
-
-#endif

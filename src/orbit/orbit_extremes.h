@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Watcher of one period of an orbit: the extremes of its motion, how often and how fast it meets
  * each stop, and how near it comes to one that it does not meet. */
-#ifndef VS_ORBIT_ORBIT_EXTREMES_H
-#define VS_ORBIT_ORBIT_EXTREMES_H
+#pragma once
 
 #include "measure/extremes.h"
 
@@ -23,5 +22,3 @@ void vs_orbit_extremes_begin(vs_orbit_extremes *turns, const vs_model *model);
 void vs_orbit_extremes_accept(vs_orbit_extremes *turns, const vs_step *step);
 /* How often all stops together were met. */
 int vs_orbit_extremes_contacts(const vs_orbit_extremes *turns);
-
-#endif

@@ -7,10 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "base/units.h"
 #include "engine/gate.h"
-#include "plant/coil.h"
 
 enum { NEAR = VS_PARAMETER_NEAR, ALL = 1 + NEAR };
 

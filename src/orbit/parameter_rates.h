@@ -2,8 +2,7 @@
  * How the equations of a run on an ideal tier depend on a parameter, at a given state: with
  * y = (q, q', lambda) and y' = f(y, t), this is df/dp. The coefficients' derivatives are
  * orbit/parameter.h's; what stands beside them follows from the state. */
-#ifndef VS_ORBIT_PARAMETER_RATES_H
-#define VS_ORBIT_PARAMETER_RATES_H
+#pragma once
 
 #include "orbit/parameter.h"
 
@@ -22,5 +21,3 @@ void vs_parameter_rates_find(const vs_parameter *parameter, const vs_parameter_r
                              double *rate);
 /* d/dp of a stop's depth's negative, travel - at, at a given state: what p moves the contact by. */
 double vs_parameter_rates_surface(const vs_parameter *parameter, int stop, const double *q);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A flight: the run of a scene over a number of firing periods from a given state at the mains'
  * rise through zero, and what the search for an orbit wants to know of it. */
-#ifndef VS_ORBIT_POINCARE_MAP_H
-#define VS_ORBIT_POINCARE_MAP_H
+#pragma once
 
 #include "orbit/variation.h"
 #include "run/scene.h"
@@ -48,5 +47,3 @@ vs_status vs_poincare_map_go(vs_poincare_map *flight, const double *x, int perio
  * firing period before is there, too: where it is long it may fire right at t = 0. The setup
  * borrows what the scene's owns. */
 vs_setup vs_poincare_map_setup(const vs_scene *scene, const vs_run_values *run, const double *x);
-
-#endif

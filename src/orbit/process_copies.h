@@ -9,8 +9,7 @@
  *   Z2 = R Z1;
  * the eigenvalues of R are the multipliers. There is one column more than states of the machine, as
  * one of the copies runs for a third period. */
-#ifndef VS_ORBIT_PROCESS_COPIES_H
-#define VS_ORBIT_PROCESS_COPIES_H
+#pragma once
 
 #include "engine/step.h"
 #include "ngspice/child.h"
@@ -71,5 +70,3 @@ _Noreturn void vs_process_copies_fail(const vs_process_copies *copies);
 vs_status vs_process_copies_hear(const vs_process_copies *copies, const double *orbit,
                                  const double *scale, double lost, vs_multiplier *out, int *found,
                                  vs_error *err);
-
-#endif

@@ -7,8 +7,7 @@
  *
  * A flux linkage is known by its probe, whose unit is Wb. What else creeps, by a probe in V or A,
  * is only waited for. */
-#ifndef VS_ORBIT_SLOW_MODES_H
-#define VS_ORBIT_SLOW_MODES_H
+#pragma once
 
 #include "engine/setup.h"
 #include "engine/step.h"
@@ -66,5 +65,3 @@ double vs_slow_modes_push(const vs_slow_modes *creep, double t_s);
 
 /* The probe that creeps most, for its scale, with more than the tolerance; NULL: none does. */
 const vs_slow_modes_probe *vs_slow_modes_worst(const vs_slow_modes *creep, const char **name);
-
-#endif

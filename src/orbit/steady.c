@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "fraction.h"
 #include "heat.h"
 #include "warmth.h"
@@ -17,8 +16,9 @@
  * into the foundation. */
 
 /* A step is at most half a radian of the fastest mode long, so that in one of its PARTS a reaction
- * turns once at most. Five points are exact to degree 9 in each of them. */
-enum { PARTS = 8, POINTS = 5 };
+ * turns once at most, or of LEAST where it is much shorter. Five points are exact to degree 9 in
+ * each of them. */
+enum { PARTS = 8, LEAST = 2, POINTS = 5 };
 static const double AT[POINTS] = {0.04691007703066800, 0.23076534494715845, 0.5,
                                   0.76923465505284155, 0.95308992296933200};
 static const double WEIGHT[POINTS] = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
@@ -65,12 +65,13 @@ static void follow_reaction(vs_reaction *r, const vs_step *step, int i, double l
 
 /* Takes one accepted step. */
 static void accept_reactions(vs_reaction *r, const vs_step *step) {
-  double from = step->from->t_s, part = (step->to->t_s - from) / PARTS;
+  const int parts = vs_step_parts(step, LEAST, PARTS);
+  double from = step->from->t_s, part = (step->to->t_s - from) / parts;
   if (!(part > 0)) return; /* the other side of an instant */
-  r->span_s += PARTS * part;
+  r->span_s += parts * part;
   for (int i = 0; i < step->frame->model->dof; i++)
-    for (int p = 0; p < PARTS; p++) {
-      double lo = from + p * part, hi = p + 1 < PARTS ? lo + part : step->to->t_s;
+    for (int p = 0; p < parts; p++) {
+      double lo = from + p * part, hi = p + 1 < parts ? lo + part : step->to->t_s;
       follow_reaction(r, step, i, lo, hi);
       for (int k = 0; k < POINTS; k++) {
         double value = reaction_value_at(step, lo + AT[k] * part, i);

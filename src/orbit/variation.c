@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "engine/propagator.h"
 #include "parameter_rates.h"
 #include "plant/coil.h"

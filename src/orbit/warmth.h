@@ -5,8 +5,7 @@
  *
  *   C_w dT_w/dt = P_copper(T_w) - (T_w - T_c)/R_wc
  *   C_c dT_c/dt = P_eddy(T_w) + (T_w - T_c)/R_wc - (T_c - T_a)/R_ca */
-#ifndef VS_ORBIT_WARMTH_H
-#define VS_ORBIT_WARMTH_H
+#pragma once
 
 #include "run/scene.h"
 
@@ -19,5 +18,3 @@
  * Errors: those of vs_shooting_find; VS_RUN, the winding has no such temperature, with the time
  * that it takes to run away. */
 vs_status vs_warmth_settle(vs_scene *scene, vs_scene *calm, int periods, vs_error *err);
-
-#endif

@@ -2,8 +2,7 @@
  * A coil's co-energy Wc(z, i) = int lambda di over gap and current, from flux linkages on a grid of
  * both. One smooth function gives all: lambda = dWc/di, and the force that closes the gap is
  * -dWc/dz. Units: Wb, A, m, J. */
-#ifndef VS_PLANT_COENERGY_H
-#define VS_PLANT_COENERGY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -55,5 +54,3 @@ double vs_coenergy_current(const vs_coenergy *surface, double flux_wb, double z_
 /* True if between the gaps of the grid, too, lambda rises with i; otherwise *z_m is the smallest
  * gap at which it does not, and *i_a the smallest current there. */
 bool vs_coenergy_rises(const vs_coenergy *surface, double *z_m, double *i_a);
-
-#endif

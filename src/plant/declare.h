@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a machine's file declares by name: coordinates and parameters. */
-#ifndef VS_PLANT_DECLARE_H
-#define VS_PLANT_DECLARE_H
+#pragma once
 
 #include "base/field.h"
 #include "plant/machine.h"
@@ -31,5 +30,3 @@ vs_status vs_declare_parameters(vs_machine *machine, const vs_node *map, vs_erro
  * too long. */
 vs_status vs_declare_text(const vs_node *node, const char *what, char *text, size_t size,
                           vs_error *err);
-
-#endif

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
+#include "base/alloc.h"
 
 /* ---- to a term ---- */
 

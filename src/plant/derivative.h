@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Derivatives of a formula. To one of its terms: as a formula. Along a path in time: as numbers, by
  * Taylor arithmetic of order two, operation by operation. No derivative is a difference. */
-#ifndef VS_PLANT_DERIVATIVE_H
-#define VS_PLANT_DERIVATIVE_H
+#pragma once
 
 #include "base/formula.h"
 
@@ -21,5 +20,3 @@ typedef struct vs_jet {
  * and the others {value, 0, 0}. Where |x|, min, max and sgn have a kink, one branch is taken. x^y
  * with x = 0 has derivatives 0 for y > 2. */
 vs_jet vs_derivative_along(const vs_formula *formula, const vs_jet *terms);
-
-#endif

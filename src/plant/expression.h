@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Formulas of a machine's file: how they are read, and what they may name. */
-#ifndef VS_PLANT_EXPRESSION_H
-#define VS_PLANT_EXPRESSION_H
+#pragma once
 
 #include "plant/machine.h"
 
@@ -31,5 +30,3 @@ vs_status vs_expression_read(const vs_machine *machine, const vs_node *node,
  * value is not finite. */
 bool vs_expression_value(vs_expression *expression, const double values[VS_MACHINE_NAMES],
                          double *value);
-
-#endif

@@ -19,9 +19,11 @@ static const vs_field SUPPLY[] = {
     {"phase", VS_REAL, "deg", "0 deg", -360, 360, false, S_(phase_rad), "of the mains at t = 0",
      NULL, NULL},
     {"resistance", VS_REAL, "ohm", "0.5 ohm", 0, 1e5, false, S_(resistance_ohm),
-     "R_s, source; circuit tier only", NULL, NULL},
+     "R_s, source; the default is that of mains, also of a direct supply; circuit tier only", NULL,
+     NULL},
     {"inductance", VS_REAL, "mH", "0.5 mH", 0, 1e5, false, S_(inductance_h),
-     "L_s, source; circuit tier only", NULL, NULL},
+     "L_s, source; the default is that of mains, also of a direct supply; circuit tier only", NULL,
+     NULL},
     {"decoupling", VS_REAL, "mH", "0 mH", 0, 1e5, false, S_(decoupling_h),
      "of a coupling/decoupling network, in series with L_s; 1.5 mH: IEC 61000-4-5; circuit tier "
      "only",

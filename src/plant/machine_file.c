@@ -293,6 +293,17 @@ static vs_status map_of(const vs_machine *m, const char *key, const vs_node **ma
                        vs_fail_at(err, node->where, "%s: a map is wanted: {NAME: ..., ...}", key));
 }
 
+/* Reads each entry of such a map. */
+static vs_status read_entries(vs_machine *m, const char *key,
+                              vs_status (*read)(vs_machine *m, const vs_node *node, vs_error *err),
+                              vs_error *err) {
+  const vs_node *map;
+  vs_status s = map_of(m, key, &map, err);
+  for (const vs_node *n = map ? map->child : NULL; n && !s; n = n->next)
+    s = vs_error_keep(err, read(m, n, err));
+  return s;
+}
+
 /* ---- lets ---- */
 
 static vs_status read_let(vs_machine *m, const vs_node *node, vs_error *err) {
@@ -310,14 +321,6 @@ static vs_status read_let(vs_machine *m, const vs_node *node, vs_error *err) {
     vs_formula_free(&let.of);
   else
     m->lets[k] = let;
-  return s;
-}
-
-static vs_status read_lets(vs_machine *m, vs_error *err) {
-  const vs_node *map;
-  vs_status s = map_of(m, "let", &map, err);
-  for (const vs_node *n = map ? map->child : NULL; n && !s; n = n->next)
-    s = vs_error_keep(err, read_let(m, n, err));
   return s;
 }
 
@@ -541,14 +544,6 @@ static vs_status read_probe(vs_machine *m, const vs_node *node, vs_error *err) {
   return s;
 }
 
-static vs_status read_probes(vs_machine *m, vs_error *err) {
-  const vs_node *map;
-  vs_status s = map_of(m, "probes", &map, err);
-  for (const vs_node *n = map ? map->child : NULL; n && !s; n = n->next)
-    s = vs_error_keep(err, read_probe(m, n, err));
-  return s;
-}
-
 /* ---- the actuator ---- */
 
 /* Adds a field of a scene's section with the file's value for its default: words and numbers are
@@ -640,7 +635,7 @@ static vs_status read_machine(vs_machine *m, vs_error *err) {
   size_t found = vs_error_count(err);
   if (!s) s = vs_declare_coordinates(m, vs_tree_child(root, "coordinates"), err);
   if (!s) s = vs_declare_parameters(m, vs_tree_child(root, "parameters"), err);
-  if (!s && vs_error_count(err) == found) s = read_lets(m, err);
+  if (!s && vs_error_count(err) == found) s = read_entries(m, "let", read_let, err);
   if (s || !m->dof || vs_error_count(err) > found) return s; /* a name may be one that was lost */
   s = read_bodies(m, err);
   if (s || vs_error_count(err) > found) return s;
@@ -649,7 +644,7 @@ static vs_status read_machine(vs_machine *m, vs_error *err) {
   if (!s) s = vs_error_keep(err, read_forces(m, err));
   if (!s) s = vs_error_keep(err, read_gap(m, err));
   if (!s) s = vs_error_keep(err, read_load(m, err));
-  if (!s) s = read_probes(m, err);
+  if (!s) s = read_entries(m, "probes", read_probe, err);
   if (!s) s = read_feed(m, &vs_feed_supply, &m->own_supply, &m->supply, err);
   if (!s) s = read_feed(m, &vs_feed_firing, &m->own_firing, &m->firing, err);
   return s ? s : read_actuator(m, err);

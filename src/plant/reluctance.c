@@ -115,10 +115,6 @@ static double series_current(const vs_coil *c, double flux_wb, double z_m) {
   energies w = series_energies(c, flux_wb);
   return z_m * w.p[1] + w.e[1];
 }
-static double series_force(const vs_coil *c, double flux_wb, double z_m) {
-  (void)z_m;
-  return flux_wb * flux_wb / (4 * c->a_hm);
-}
 static double series_energy(const vs_coil *c, double flux_wb, double z_m) {
   energies w = series_energies(c, flux_wb);
   return z_m * w.p[0] + w.e[0];
@@ -187,7 +183,7 @@ static const vs_law LAWS[] = {{.name = "reluctance",
                                .end = saturation_end,
                                .poles = true,
                                .current = series_current,
-                               .force = series_force,
+                               .force = gap_force,
                                .energy = series_energy,
                                .along = series_along,
                                .netlist = series_netlist},

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How much two recorded curves differ. Between its rows each curve is taken as a straight line. */
-#ifndef VS_REPORT_CURVE_DIFFERENCE_H
-#define VS_REPORT_CURVE_DIFFERENCE_H
+#pragma once
 
 #include "traces.h"
 
@@ -18,5 +17,3 @@ typedef struct vs_curve_difference {
  * Between these B - A is a straight line, so that its maximum and its mean square are exact. */
 vs_curve_difference vs_curve_difference_of(const vs_traces *one, int a, const vs_traces *other,
                                            int b);
-
-#endif

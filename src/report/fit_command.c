@@ -26,8 +26,7 @@ enum { WIDTH = 900, HIGH = 290, LOW = 190, TOP = 50, UNDER = 26, UNDER_LABEL = 5
 typedef struct portrait {
   const vs_fit_result *o;
   vs_script script;
-  int panels_high, panels_low; /* of all there will be */
-  int height, at;              /* pixels in all, and where the next panel begins, from above */
+  int height, at; /* pixels in all, and where the next panel begins, from above */
 } portrait;
 
 /* Places the next panel, of this height; `under` of it is for what stands below its frame. */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the command `fit` prints. */
-#ifndef VS_REPORT_FIT_PRINTOUT_H
-#define VS_REPORT_FIT_PRINTOUT_H
+#pragma once
 
 #include <stdio.h>
 
@@ -17,5 +16,3 @@ vs_status vs_fit_printout_judge(const vs_fit_result *outcome, vs_error *err);
  * unknown is on its bound, residuals have a pattern, columns were not used. */
 void vs_fit_printout_warnings(const vs_fit_result *outcome,
                               void (*each)(void *ctx, const char *text), void *ctx);
-
-#endif

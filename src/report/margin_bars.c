@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "members.h"
+#include "netlist/deck.h"
 #include "report/scale.h"
 #include "run/engineering.h"
 #include "run_pair.h"
@@ -137,8 +138,10 @@ static void add_times(vs_text *out, double times, bool expected) {
   if (expected) vs_text_add(out, times > 0 ? ", as expected" : ", though expected");
 }
 
-bool vs_margin_bars_assumed(const vs_node *line) {
-  return !strcmp(vs_member_word(line, "assumed"), "true");
+const char *vs_margin_bars_unsure(const vs_node *line) {
+  const unsigned assumed = !strcmp(vs_member_word(line, "assumed"), "true"),
+                 typical = !strcmp(vs_member_word(line, "typical"), "true");
+  return vs_deck_unsure_notes[assumed * VS_ASSUMED + typical * VS_TYPICAL];
 }
 
 /* "175 of 200 V/us", "5566 of at least 50 us", "45 of 500 V (assumed)" */
@@ -149,8 +152,7 @@ static void add_amounts(vs_text *out, const bar *b, double value, double limit, 
   add_number(out, value);
   vs_text_add(out, least ? " of at least " : " of ");
   add_number(out, limit);
-  vs_text_add(out, "%s%s%s", *unit ? " " : "", unit,
-              vs_margin_bars_assumed(b->line) ? " (assumed)" : "");
+  vs_text_add(out, "%s%s%s", *unit ? " " : "", unit, vs_margin_bars_unsure(b->line));
 }
 
 /* "thyristor.dv_dt 175 of 200 V/us, held" */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Members of two maps matched by their keys, and JSON values as text. */
-#ifndef VS_REPORT_MEMBERS_H
-#define VS_REPORT_MEMBERS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -29,5 +28,3 @@ double vs_member_number(const vs_node *node);
 const char *vs_member_amount(double value, const char *unit, char text[VS_ENGINEERING_SIZE]);
 /* Returns the text of the map's member; "" where there is none. */
 const char *vs_member_word(const vs_node *map, const char *key);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Compares two runs: the keys of their scenes that differ, measures, verdicts, curves. */
-#ifndef VS_REPORT_RUN_PAIR_H
-#define VS_REPORT_RUN_PAIR_H
+#pragma once
 
 #include "base/text.h"
 #include "base/tree.h"
@@ -26,5 +25,3 @@ const char *vs_run_pair_whole(const vs_node *verdict);
 /* The first adds the table for people, the second the same as one JSON object. */
 void vs_run_pair_table(const vs_run_pair *pair, vs_text *out);
 void vs_run_pair_json(const vs_run_pair *pair, vs_text *out);
-
-#endif

@@ -32,6 +32,7 @@ static const struct {
     {"l", "M-30,0H-21a7,7 0 0 1 14,0a7,7 0 0 1 14,0a7,7 0 0 1 14,0H30"},
     {"coil", "M-30,0H-21a7,7 0 0 1 14,0a7,7 0 0 1 14,0a7,7 0 0 1 14,0H30M-21,-11H21M-21,-14H21"},
     {"mains", LEADS(13) "M-13,0a13,13 0 1 1 26,0a13,13 0 1 1 -26,0M-7,0q3.5,-9 7,0t7,0"},
+    {"supply", "M-30,0H-4M-4,-7V7M4,-14V14M4,0H30"},
     {"v", LEADS(13) "M-13,0a13,13 0 1 1 26,0a13,13 0 1 1 -26,0M-10,0H-4M-7,-3V3M5,-3V3"},
     {"i", LEADS(13) "M-13,0a13,13 0 1 1 26,0a13,13 0 1 1 -26,0M-7,0H7M3,-4L7,0L3,4"},
     {"controlled", LEADS(14) "M-14,0L0,-13L14,0L0,13ZM-9,0H-3M-6,-3V3M6,-3V3"},
@@ -48,9 +49,16 @@ static const struct {
     {"", LEADS(16) BOX},
 };
 
-static const char *symbol_of(const vs_circuit_element *e) {
+/* What the mains port is called: a deck that begins at its operating point is one for direct
+ * voltage.
+ */
+static const char *supply_of(const vs_deck *deck) {
+  return deck->stands ? "supply" : "mains";
+}
+
+static const char *symbol_of(const vs_deck *deck, const vs_circuit_element *e) {
   const char letter[2] = {e->card->letter, '\0'};
-  const char *name = e->mains                           ? "mains"
+  const char *name = e->mains                           ? supply_of(deck)
                      : e->coil                          ? "coil"
                      : *letter == 'e'                   ? "controlled"
                      : strchr("gfhb", *letter)          ? "controlled_i"
@@ -121,10 +129,10 @@ static label make_label(const vs_deck *deck, const vs_circuit *c, const vs_circu
   label l = {0};
   const char letter = e->card->letter;
   add_line(&l,
-           e->mains  ? "mains"
+           e->mains  ? supply_of(deck)
            : e->coil ? "EVA"
                      : e->card->name.at,
-           e->mains  ? 5
+           e->mains  ? strlen(supply_of(deck))
            : e->coil ? 3
                      : e->card->name.n);
   if (letter == 'x' && !e->coil) {
@@ -424,7 +432,8 @@ static void draw_element(vs_html *out, const layout *l, int element, int x, int 
   vs_html_add(out,
               "<path transform=\"translate(%d,%d) rotate(%d)\" stroke=\"%s\" "
               "stroke-width=\"%s\" d=\"%s\"/>\n",
-              x, y, turn, colour, text->colour ? "2.2" : "1.5", symbol_of(&l->c.element[element]));
+              x, y, turn, colour, text->colour ? "2.2" : "1.5",
+              symbol_of(l->deck, &l->c.element[element]));
   for (int k = 0; k < text->lines; k++)
     if (level)
       draw_text(out, x, k ? y + 15 + LINE * k : y - 20, "middle", colour, text->line[k]);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The circuit of a deck as a schematic shows it: the elements that carry the main circuit's
  * current, in branches between the nets where three or more of them meet. */
-#ifndef VS_REPORT_SCHEMATIC_CIRCUIT_H
-#define VS_REPORT_SCHEMATIC_CIRCUIT_H
+#pragma once
 
 #include "netlist/cards.h"
 #include "netlist/deck.h"
@@ -48,5 +47,3 @@ typedef struct vs_circuit {
  * then says so. vs_schematic_circuit_free is due in either case. */
 bool vs_schematic_circuit_read(const vs_deck *deck, vs_circuit *c, vs_text *why);
 void vs_schematic_circuit_free(vs_circuit *c);
-
-#endif

@@ -348,13 +348,16 @@ static void add_not_judged(vs_html *html, const vs_study_results *s) {
               s->not_judged.count > 1 ? "; in other cases other limits: column not_judged" : "");
 }
 
-/* Adds which limits no source says: a verdict by them is as good as they are. */
-static void add_assumed(vs_html *html, const vs_folder *t) {
+/* Adds which lines are judged by such figures: a verdict by them is as good as they are. */
+static void add_unsure(vs_html *html, const vs_folder *t, const char *word, const char *says) {
   const vs_node *lines = vs_tree_child(t->manifest.root, "lines");
   bool any = false;
   for (const vs_node *n = lines ? lines->child : NULL; n; n = n->next) {
-    if (strcmp(vs_member_word(n, "assumed"), "true") != 0) continue;
-    vs_html_add(html, any ? ", " : "<p>Judged by assumed figures, which no source says: ");
+    if (strcmp(vs_member_word(n, word), "true") != 0) continue;
+    if (any)
+      vs_html_add(html, ", ");
+    else
+      vs_html_add(html, "<p>Judged by %s figures, which no source %s: ", word, says);
     vs_html_text(html, vs_member_word(n, "name"));
     any = true;
   }
@@ -413,7 +416,8 @@ static void add_verdict(vs_html *html, const vs_folder *t, const vs_study_result
   add_best_case(html, t, s);
   add_happened(html, s);
   add_not_judged(html, s);
-  if (s->judged) add_assumed(html, t);
+  if (s->judged) add_unsure(html, t, "assumed", "says");
+  if (s->judged) add_unsure(html, t, "typical", "guarantees");
   add_doubts(html, s);
   if (s->judged && s->judged < s->rows)
     vs_html_add(html, "<p>Without a margin: %ld cases.</p>\n", s->rows - s->judged);

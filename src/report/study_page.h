@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A study's report as one page of HTML. */
-#ifndef VS_REPORT_STUDY_PAGE_H
-#define VS_REPORT_STUDY_PAGE_H
+#pragma once
 
 #include "plot/study_pictures.h"
 #include "report/html.h"
@@ -16,5 +15,3 @@ void vs_study_page_wilson(double good, double n, double *least, double *largest)
 
 /* Returns the share in per cent, rounded down to two decimals so that 100 means all. For tests. */
 double vs_study_page_share(long part, long whole);
-
-#endif

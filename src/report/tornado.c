@@ -10,7 +10,6 @@
 
 #include "base/csv.h"
 #include "base/gnuplot.h"
-#include "base/text.h"
 #include "report/scale.h"
 
 enum { MOST_BARS = 4096 };

@@ -2,8 +2,7 @@
  * The curves that a run has recorded: run.csv of its folder, read into memory. If the curves have
  * peaks between the rows of run.csv, peaks.csv beside it has the same rows and more (run/table.h);
  * that is the file to draw. */
-#ifndef VS_REPORT_TRACES_H
-#define VS_REPORT_TRACES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -56,5 +55,3 @@ int vs_traces_like(const vs_traces *traces, const vs_column *other);
 /* Return the value of a column in that row, and the row's time, s. */
 double vs_trace_value(const vs_traces *traces, size_t row, int column);
 double vs_trace_time(const vs_traces *traces, size_t row);
-
-#endif

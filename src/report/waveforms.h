@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The section of a page that shows the waveforms of one run, or of several in one picture. */
-#ifndef VS_REPORT_WAVEFORMS_H
-#define VS_REPORT_WAVEFORMS_H
+#pragma once
 
 #include "plot/time_window.h"
 #include "report/html.h"
@@ -16,5 +15,3 @@ void vs_waveforms_close(vs_time_window *stretch);
 
 /* Adds the section. Error: gnuplot is missing or fails. */
 vs_status vs_waveforms_add(const vs_time_window *stretch, vs_html *html, vs_error *err);
-
-#endif

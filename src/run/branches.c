@@ -11,7 +11,6 @@
 
 #include "base/text.h"
 #include "netlist/cards.h"
-#include "netlist/contract.h"
 #include "netlist/kinds.h"
 #include "netlist/words.h"
 

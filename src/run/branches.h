@@ -3,8 +3,7 @@
  * signals that are their currents. From the signals at one instant, or from the difference of two
  * instants, it is found which branches a device's current comes from, by Kirchhoff's law at its
  * node, and which elements along a loop a voltage is made of. */
-#ifndef VS_RUN_BRANCHES_H
-#define VS_RUN_BRANCHES_H
+#pragma once
 
 #include "base/names.h"
 #include "engine/timeline.h"
@@ -91,5 +90,3 @@ bool vs_branches_share_current(const vs_branches *b, const double *signals, size
  * this number (-1: none is barred). Returns false if there is no such loop. */
 bool vs_branches_share_voltage(const vs_branches *b, const double *signals, int device, int event,
                                size_t plus, size_t minus, vs_shares *shares);
-
-#endif

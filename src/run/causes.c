@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/units.h"
 #include "branches.h"
+#include "lacks.h"
 #include "netlist/kinds.h"
 #include "run/engineering.h"
 
@@ -50,8 +50,10 @@ typedef struct cause {
   bool told;
   double total, found_s, sum_error; /* by which the sum of the shares is above the total */
   vs_shares shares;
-  char note[256];  /* why there are no shares; empty: there are */
-  vs_text assumed; /* the figures without a source that the line depends on: "a.i2t, b.i_cm" */
+  char note[256]; /* why there are no shares; empty: there are */
+  vs_text assumed,
+      typical; /* the figures that the line depends on and that are that: "a.i2t, b.i_cm"
+                */
 } cause;
 
 struct vs_causes {
@@ -137,7 +139,7 @@ static void look_at_device(vs_causes *c, cause *k, const vs_device_measure *m) {
     if (isnan(k->at_s)) k->at_s = peak_of_device(c->result, k->device, k->voltage = true);
   }
   if (k->form == RISE) k->over_s = stretch_of(c, k);
-  if (k->form == FALL) k->over_s = 50e-6;
+  if (k->form == FALL) k->over_s = vs_slope_fall_s;
   if (isnan(k->at_s))
     snprintf(k->note, sizeof k->note, "no instant is known at which it is decided");
   if (m->how == VS_R_OFFERED)
@@ -587,43 +589,6 @@ static const double SMALL = 0.01;
 /* What the shares leave of the whole is told beyond this part of it. */
 static const double TOLD = 1e-3;
 
-/* Adds a name to a list, unless it is there. */
-static void add_once(vs_text *list, const char *device, const char *name) {
-  char own[2 * VS_DECK_NAME + 8];
-  snprintf(own, sizeof own, "%s%s%s", device, *device ? "." : "", name);
-  const size_t n = strlen(own);
-  for (const char *at = list->text; list->length && (at = strstr(at, own)); at += n)
-    if ((at == list->text || at[-1] == ' ') && (!at[n] || at[n] == ',')) return;
-  vs_text_add(list, "%s%s", list->length ? ", " : "", own);
-}
-
-/* Lists the figures without a source that a line depends on: its limit, and those of parts that a
- * share comes from, as far as their models are made of them. */
-static void list_assumed(const vs_causes *c, cause *k) {
-  const vs_deck *deck = deck_of(c);
-  vs_text *list = &k->assumed;
-  char name[VS_JUDGED_NAME];
-  if (k->of->assumed && k->of->limit && k->of->device)
-    add_once(list, k->of->device->name, k->of->limit->name);
-  else if (k->of->assumed)
-    add_once(list, "", vs_verdict_name(k->of, name));
-  for (size_t n = 0; n < k->shares.count && n < SHOWN; n++)
-    for (size_t d = 0; d < deck->n_devices; d++) {
-      const vs_device *of = &deck->devices[d];
-      const size_t length = strlen(of->name);
-      const char *share = k->shares.item[n].of;
-      if (strncmp(share, of->name, length) || (share[length] && share[length] != '\'') ||
-          of->part < 0 || !deck->parts[of->part].file)
-        continue;
-      for (size_t m = 0; m < deck->n_limits; m++) {
-        const vs_limit *l = &deck->limits[m];
-        if (l->assumed && l->where.file == deck->parts[of->part].file &&
-            vs_kinds_is_hung_on(of->kind->name, l->name, NULL))
-          add_once(list, of->name, l->name);
-      }
-    }
-}
-
 vs_status vs_causes_find(const vs_result *result, vs_causes_run *run,
                          const volatile sig_atomic_t *stop, vs_causes **causes, vs_error *err) {
   vs_causes *c = *causes = vs_alloc(1, sizeof *c);
@@ -633,7 +598,10 @@ vs_status vs_causes_find(const vs_result *result, vs_causes_run *run,
   vs_status status = look_at_lines(c, run, stop, err);
   for (size_t k = 0; k < c->count; k++) {
     cause *one = &c->item[k];
-    list_assumed(c, one);
+    vs_lacks_list(&c->branches, deck_of(c), one->of, &one->shares, SHOWN, VS_ASSUMED,
+                  &one->assumed);
+    vs_lacks_list(&c->branches, deck_of(c), one->of, &one->shares, SHOWN, VS_TYPICAL,
+                  &one->typical);
     if (!one->told && !*one->note)
       snprintf(one->note, sizeof one->note, "the run for it did not reach its instant");
   }
@@ -646,6 +614,7 @@ void vs_causes_free(vs_causes *c) {
   for (size_t k = 0; k < c->count; k++) {
     free(c->item[k].seen);
     vs_text_free(&c->item[k].assumed);
+    vs_text_free(&c->item[k].typical);
   }
   vs_branches_free(&c->branches);
   free(c->more);
@@ -712,6 +681,7 @@ static char *text_of(const cause *k) {
   show_happening(&k->event, k->at_s, out);
   show_happening(&k->deed, k->at_s, out);
   if (k->assumed.length) fprintf(out, "; assumed: %s", k->assumed.text);
+  if (k->typical.length) fprintf(out, "; typical: %s", k->typical.text);
   vs_alloc_stream_close(out);
   return text;
 }
@@ -778,13 +748,7 @@ void vs_causes_json(const vs_causes *c, const vs_judgement *of, vs_json *json) {
   add_happening(json, &one->event, one->at_s);
   add_happening(json, &one->deed, one->at_s);
   vs_json_end(json);
-  vs_json_array(json, "assumed", VS_JSON_ROW);
-  for (const char *name = one->assumed.text; name && *name; name += strspn(name, ", ")) {
-    char *own = vs_alloc_part(name, strcspn(name, ","));
-    vs_json_text(json, NULL, own);
-    free(own);
-    name += strcspn(name, ",");
-  }
-  vs_json_end(json);
+  vs_lacks_json("assumed", one->assumed.text, json);
+  if (one->typical.length) vs_lacks_json("typical", one->typical.text, json);
   vs_json_end(json);
 }

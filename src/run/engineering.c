@@ -45,7 +45,8 @@ const char *vs_engineering_range(double least, double largest, const char *unit,
   double scale = pow(1000, power), next_to_nothing = fmax(fabs(least), fabs(largest)) * ZERO_BESIDE;
   if (fabs(least) < next_to_nothing) least = 0;
   if (fabs(largest) < next_to_nothing) largest = 0;
-  snprintf(text, (size_t)(2 * VS_ENGINEERING_SIZE), "%.4g .. %.4g%s%s%s", least / scale,
-           largest / scale, *unit ? " " : "", prefix_of_power(power), unit);
+  const char *space = *unit ? " " : "", *prefix = prefix_of_power(power);
+  snprintf(text, (size_t)(2 * VS_ENGINEERING_SIZE), "%.4g%s%s%s .. %.4g%s%s%s", least / scale,
+           space, prefix, unit, largest / scale, space, prefix, unit);
   return text;
 }

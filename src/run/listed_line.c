@@ -16,7 +16,7 @@ typedef struct line {
   double limit; /* in unit; NaN: two ends, or the part does not state it */
   bool at_least, own;
   int sense, left_out_by; /* see vs_listed_measure */
-  bool assumed;           /* the same */
+  unsigned unsure;        /* the same */
 } line;
 
 static bool is_first_of_probe(const vs_deck *deck, size_t k) {
@@ -96,7 +96,7 @@ static bool device_line_at(const vs_devices *devices, int *n, line *l) {
       l->unit = stated ? stated->unit : r->measure->unit;
       l->at_least = r->measure->held == VS_AT_LEAST;
       l->sense = l->at_least ? -1 : 1;
-      l->assumed = r->assumed || (stated && stated->assumed) || (r->limit && r->limit->assumed);
+      l->unsure = r->unsure | (stated ? stated->unsure : 0) | (r->limit ? r->limit->unsure : 0);
       l->left_out_by = vs_expect_left_out_by(r);
       if (r->limit && fixed) l->limit = r->limit->value / vs_units_factor(l->unit);
       return true;
@@ -163,7 +163,7 @@ bool vs_listed_line_at(const vs_frame *frame, const vs_result *r, int k, vs_list
                            .limit_unit = which ? NULL : l.unit,
                            .at_least = l.at_least,
                            .own = l.own,
-                           .assumed = l.assumed,
+                           .unsure = l.unsure,
                            .left_out_by = l.left_out_by,
                            .sense = l.sense,
                            .group = VS_SHOWN_DEVICES,

@@ -96,6 +96,7 @@ bool vs_listed_measure_at(const vs_frame *frame, const vs_result *r, int k, vs_l
     m->value.value *= of_machine.factor;
     if (of_machine.slot == VS_M_PULL_IN && *r->no_pull_in)
       m->absent = r->no_pull_in + strlen("pull_in ");
+    if (of_machine.slot == VS_M_RELEASE && !m->value.known && *r->lets_go) m->absent = r->lets_go;
     m->group = of_machine.slot < VS_STANDARD_MEASURES ? GROUPS[of_machine.slot] : VS_SHOWN_MOTION;
     m->doubled = is_doubled(frame->model, &of_machine);
     return true;

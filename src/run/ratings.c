@@ -341,6 +341,25 @@ static void rate_probe(vs_rated *rated, const vs_own_rating *r, const vs_measure
   rated->passed_s = f->passed_s;
 }
 
+/* What came not at all has lasted for longer than the limit all the same, or what came did not
+ * last. */
+static void rate_pull_in(vs_rated *rated, const vs_own_rating *r, const vs_ratings_seen *seen) {
+  const vs_pull_in *p = &seen->watchers->measures->pull_in;
+  const double least_s = r->which == VS_M_PULL_IN   ? vs_pull_in_waits_s(p)
+                         : r->which == VS_M_RELEASE ? vs_pull_in_sticks_s(p)
+                                                    : NAN;
+  if (!vs_measure_pulls_in(r->which)) return;
+  if (rated->unknown && least_s > r->rating.max) {
+    rated->unknown = NULL;
+    rate_value(rated, (vs_value){true, least_s, seen->until_s}, 1, seen->until_s);
+    rated->passed_s = seen->until_s - (least_s - r->rating.max);
+  } else if (rated->unknown && *seen->no_pull_in) {
+    rated->unknown = seen->no_pull_in;
+  } else if (*seen->lets_go && (rated->unknown || r->which == VS_M_PULL_IN)) {
+    rated->unknown = seen->lets_go;
+  }
+}
+
 static void rate(vs_rated *rated, const vs_own_rating *r, const vs_ratings_seen *seen) {
   const vs_measures *m = seen->watchers->measures;
   *rated = (vs_rated){.name = r->name,
@@ -351,8 +370,7 @@ static void rate(vs_rated *rated, const vs_own_rating *r, const vs_ratings_seen 
   switch (r->kind) {
   case VS_RATED_MEASURE:
     rate_value(rated, seen->values[r->which], r->factor, seen->until_s);
-    if (rated->unknown && *seen->no_pull_in && vs_measure_pulls_in(r->which))
-      rated->unknown = seen->no_pull_in;
+    rate_pull_in(rated, r, seen);
     if (r->which == VS_M_COIL_T) rated->doubt = vs_watchers_heat_doubt(seen->watchers);
     break;
   case VS_RATED_EXTREME:

@@ -22,11 +22,15 @@ void vs_result_finish(vs_result *r) {
       !vs_pull_in_lacks(&r->watchers.measures->pull_in, r->watchers.measures->frame->model,
                         r->no_pull_in, sizeof r->no_pull_in))
     *r->no_pull_in = '\0';
+  if (!r->watchers.measures ||
+      !vs_pull_in_drops(&r->watchers.measures->pull_in, r->lets_go, sizeof r->lets_go))
+    *r->lets_go = '\0';
   const vs_ratings_seen seen = {.values = r->values,
                                 .watchers = &r->watchers,
                                 .quality = r->quality,
                                 .n_quality = r->n_quality,
                                 .no_pull_in = r->no_pull_in,
+                                .lets_go = r->lets_go,
                                 .until_s = r->scene->setup.run.until_s};
   vs_ratings_judge(&r->scene->ratings, &seen, &r->verdict);
 }
@@ -314,6 +318,7 @@ static void warn_after(const vs_result *r, bool of_firing,
   }
   if (hangs_on_letting_go(r, text, sizeof text)) each(ctx, text);
   if (*r->no_pull_in) each(ctx, r->no_pull_in);
+  if (*r->lets_go) each(ctx, r->lets_go);
   if (leaves_linear_iron(r, text, sizeof text)) each(ctx, text);
   if (burns(r, text, sizeof text)) each(ctx, text);
   if (warms_up(r, text, sizeof text)) each(ctx, text);

@@ -21,7 +21,6 @@
 #include <string.h>
 #include <time.h>
 
-#include "base/text.h"
 #include "base/units.h"
 #include "run/listed_measure.h"
 

@@ -263,7 +263,8 @@ static void print_ways_of_heat(const vs_result *r, FILE *out) {
 /* When a switch of the deck is on. */
 static void print_switching(const vs_pwm_values *p, FILE *out) {
   if (!vs_pwm_is_single(p)) {
-    fprintf(out, ", switched at %.6g kHz\n", 1e-3 * p->carrier_hz);
+    char carrier[VS_ENGINEERING_SIZE];
+    fprintf(out, ", switched at %s\n", vs_engineering_text(p->carrier_hz, "Hz", carrier));
     return;
   }
   fprintf(out, ", switched on at %.6g ms", 1e3 * p->on_s);

@@ -320,7 +320,8 @@ static void add_rating(vs_json *json, const vs_judgement *j) {
   vs_json_number(json, "max", j->rating->max / unit, DIGITS);
   add_extreme_to_summary(json, "least", j->least, unit);
   add_extreme_to_summary(json, "largest", j->largest, unit);
-  vs_json_bool(json, "assumed", j->assumed);
+  vs_json_bool(json, "assumed", j->unsure & VS_ASSUMED);
+  if (j->unsure & VS_TYPICAL) vs_json_bool(json, "typical", true);
   if (j->unknown) vs_json_text(json, "unknown", j->unknown);
 }
 
@@ -338,7 +339,8 @@ static void add_device_to_summary(vs_json *json, const vs_judgement *j) {
   add_over(json, j->over_v);
   if (!isnan(j->over_from_s)) vs_json_number(json, "over_from_s", j->over_from_s, DIGITS);
   if (j->ward) vs_json_text(json, "limit_of", j->ward->name);
-  vs_json_bool(json, "assumed", j->assumed);
+  vs_json_bool(json, "assumed", j->unsure & VS_ASSUMED);
+  if (j->unsure & VS_TYPICAL) vs_json_bool(json, "typical", true);
 }
 
 /* How far the models that the line hangs on are from their data sheets, as a part of the sheet's

@@ -6,8 +6,6 @@
 #include <string.h>
 
 #include "measure/instruments.h"
-#include "netlist/devices.h"
-#include "netlist/parts.h"
 #include "plant/coil.h"
 
 /* ---- which tier ---- */

@@ -3,8 +3,6 @@
 
 #include <stdlib.h>
 
-#include "base/text.h"
-
 static vs_status accept_step_of_trial(void *ctx, const vs_step *step, const vs_result *result,
                                       vs_error *err) {
   const vs_observer *also = ctx;

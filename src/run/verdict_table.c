@@ -95,7 +95,7 @@ static void print_rating(const vs_judgement *j, int width, FILE *out) {
   print_margin(j, out);
   print_models(j, "  (", ")", out);
   if (j->unknown) fprintf(out, ": %s", j->unknown);
-  fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
+  fprintf(out, "%s%s\n", j->unsure ? "  " : "", vs_deck_unsure_words[j->unsure]);
 }
 
 /* The end of what is allowed that the stress is nearer to, or further beyond. */
@@ -123,7 +123,7 @@ static void print_device(const vs_judgement *j, int width, FILE *out) {
   if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
   if (j->measure && j->measure->how == VS_R_RETURN_RISE)
     fputs("  compared: a model need not obey it", out);
-  fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
+  fprintf(out, "%s%s\n", j->unsure ? "  " : "", vs_deck_unsure_words[j->unsure]);
 }
 
 /* "undecided: v_ak, t_fire (it did not occur, or the run ends too early)", and a line for each
@@ -183,7 +183,7 @@ static void print_weakest(const vs_judgement *j, FILE *out) {
   const char *unit = vs_verdict_unit(j);
   fprintf(out, "weakest: %s, %s where %s%s is allowed, margin ", vs_verdict_name(j, name),
           text_as_written(j->stress.value, unit, stress), text_as_written(allowed(j), unit, limit),
-          j->assumed ? " (assumed)" : "");
+          vs_deck_unsure_notes[j->unsure]);
   print_number(j, false, out);
   print_models(j, " (", ")", out);
   print_verdict_word(j, out);

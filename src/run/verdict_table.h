@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The verdict of a run as a table for people. Limits and stresses are shown in the unit that the
  * rating's or the limit's line was written in. */
-#ifndef VS_RUN_VERDICT_TABLE_H
-#define VS_RUN_VERDICT_TABLE_H
+#pragma once
 
 #include <stdio.h>
 
@@ -30,5 +29,3 @@ void vs_verdict_table_second(const vs_result *result, FILE *out);
 bool vs_verdict_table_judges_nothing(const vs_result *result);
 /* Why there is no verdict, and how to have one. */
 void vs_verdict_table_none(const vs_result *result, FILE *out);
-
-#endif

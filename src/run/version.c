@@ -3,7 +3,6 @@
 
 #include <gsl/gsl_version.h>
 
-#include "ngspice/circuit.h"
 #include "ngspice/ngspice.h"
 
 void vs_version_json(vs_json *json) {

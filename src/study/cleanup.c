@@ -12,7 +12,6 @@
 #include "base/compressed.h"
 #include "base/csv.h"
 #include "base/file.h"
-#include "base/text.h"
 #include "npy.h"
 #include "run/table.h"
 #include "study/folder.h"

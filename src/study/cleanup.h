@@ -2,8 +2,7 @@
  * What else than its files a study leaves in its folder: the columns, the report and its pictures,
  * as `plot` draws them, and the runs that were kept. Beside another study's result they would lie.
  */
-#ifndef VS_STUDY_CLEANUP_H
-#define VS_STUDY_CLEANUP_H
+#pragma once
 
 #include "workers/journal.h"
 
@@ -13,5 +12,3 @@
  * journal; NULL: there is none, and its cases are those in the two files. Whatever else is there
  * stays, and so does what is a link. What cannot be removed stays. */
 void vs_cleanup_folder(const char *folder, const vs_journal *old);
-
-#endif

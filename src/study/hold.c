@@ -69,7 +69,8 @@ vs_status vs_hold_one(vs_hold *h, const char *name, const vs_node *value, vs_err
     return vs_fail_at(err, value->where, "hold.%s: a number is wanted, as 10 %% or 0.8", name);
   if (!strcmp(name, "margin")) {
     if (!(number >= 0 && number < 1))
-      return vs_fail_at(err, value->where, "hold.margin: a part of the limit is wanted, 0 to 1");
+      return vs_fail_at(err, value->where,
+                        "hold.margin: a part of the limit is wanted, 0 to 1 (1 excluded)");
     h->margin = number;
     return VS_OK;
   }
@@ -85,22 +86,27 @@ vs_status vs_hold_one(vs_hold *h, const char *name, const vs_node *value, vs_err
 const vs_inside vs_hold_waiver = {
     .rows = VS_ROWS({"line", .kind = VS_NEEDED | VS_TEXT}, {"because", .kind = VS_TEXT})};
 
+/* A line, or all lines of a device. */
 static vs_status waive_one(vs_hold *h, const vs_node *n, vs_error *err) {
   const vs_node *line = n->kind == VS_NODE_MAP ? vs_tree_child(n, "line") : n,
                 *because = n->kind == VS_NODE_MAP ? vs_tree_child(n, "because") : NULL;
-  size_t k;
+  const char *name = line && line->kind == VS_NODE_TEXT ? line->text : "";
+  const size_t length = strlen(name);
+  size_t k, waived = 0;
   vs_status status =
       n->kind == VS_NODE_MAP ? vs_field_map_keys(n, "waive", &vs_hold_waiver, err) : VS_OK;
   if (!status && (!line || (because && because->kind != VS_NODE_TEXT)))
     status = vs_fail_at(err, n->where,
                         "waive: {line: thyristor.di_dt, because: a text} is wanted, or a line");
-  if (!status)
-    status = vs_hold_need(h, "waive", line->kind == VS_NODE_TEXT ? line->text : "", line->where, &k,
-                          err);
-  if (status) return status;
-  h->line[k].waived = true;
-  h->line[k].because = because ? because->text : NULL;
-  return VS_OK;
+  for (k = 0; !status && *name && k < h->count; k++) {
+    if (strncmp(h->line[k].name, name, length) != 0 ||
+        (h->line[k].name[length] && h->line[k].name[length] != '.'))
+      continue;
+    h->line[k].waived = true;
+    h->line[k].because = because ? because->text : NULL;
+    waived++;
+  }
+  return status || waived ? status : vs_hold_need(h, "waive", name, line->where, &k, err);
 }
 
 vs_status vs_hold_waive(vs_hold *h, const vs_node *list, vs_error *err) {

@@ -338,7 +338,7 @@ void vs_judge_say(const vs_judge *judge, uint64_t cases, FILE *out) {
   fprintf(out, "judged %zu of %llu cases in ngspice", judge->count - judge->failed,
           (unsigned long long)cases);
   if (judge->worst.name)
-    fprintf(out, ": off by at most %.2g of what both tell (%s of case %llu)",
+    fprintf(out, ": the largest difference is %.2g of the errors that both state (%s of case %llu)",
             share_of(&judge->worst), judge->worst.name, (unsigned long long)judge->worst.index);
   fputc('\n', out);
   if (judge->failed)

@@ -9,8 +9,7 @@
  * The rows that judge stand in the study's journal. The sample hangs on the study's identity, its
  * count of cases and which of them failed, and the judged cases of a whole study are those of its
  * shards. */
-#ifndef VS_STUDY_JUDGE_H
-#define VS_STUDY_JUDGE_H
+#pragma once
 
 #include <stdio.h>
 
@@ -79,5 +78,3 @@ void vs_judge_json(const vs_judge *judge, vs_json *json);
 void vs_judge_say(const vs_judge *judge, uint64_t cases, FILE *out);
 /* Error: VS_RUN, a case is off by more than is told. */
 vs_status vs_judge_result(const vs_judge *judge, vs_error *err);
-
-#endif

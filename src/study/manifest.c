@@ -112,7 +112,8 @@ static void add_line(const vs_report_column *margin, vs_json *json) {
   vs_json_text(json, "side", margin->at_least ? "min" : "max");
   vs_json_text(json, "margin", vs_folder_margins[1 + margin->sense]);
   vs_json_bool(json, "rated_by_scene", margin->own);
-  vs_json_bool(json, "assumed", margin->assumed);
+  vs_json_bool(json, "assumed", margin->unsure & VS_ASSUMED);
+  if (margin->unsure & VS_TYPICAL) vs_json_bool(json, "typical", true);
   vs_json_text(json, "left_out_by",
                margin->left_out_by ? vs_expect_criteria[margin->left_out_by].name : NULL);
   vs_json_end(json);

@@ -22,7 +22,7 @@ const vs_method *vs_method_claiming(const vs_method *const *methods, const vs_no
   const vs_method *found = NULL;
   for (; *methods && !found; methods++) {
     if (strcmp((*methods)->key, section->key)) continue;
-    if ((*methods)->claims(section)) found = *methods;
+    if (!(*methods)->claims || (*methods)->claims(section)) found = *methods;
     vs_text_add(&names, "%s%s", names.length ? ", " : "", (*methods)->name);
   }
   const vs_node *word = vs_tree_child(section, "method");

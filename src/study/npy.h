@@ -11,8 +11,7 @@
  * A slash in a column's name is an underscore in its file's. columns.json lists rows, columns,
  * their files, element types, units and words. It is removed first and written last: with it the
  * folder is whole. */
-#ifndef VS_STUDY_NPY_H
-#define VS_STUDY_NPY_H
+#pragma once
 
 #include <stdint.h>
 
@@ -47,5 +46,3 @@ vs_status vs_npy_commit(vs_npy *array, vs_error *err);
 /* Removes from the folder, which is open as `folder`, what a study with this header row has left as
  * columns, and the folder of columns if it is empty then. What is a link stays. */
 void vs_npy_remove(int folder, const char *header);
-
-#endif

@@ -2,8 +2,7 @@
  * Shards of a search: processes that all go through the same search, each with a folder beside the
  * others', and each running its share of every generation. What the others have run is taken from
  * their journals, so that each folder comes to hold the whole. */
-#ifndef VS_STUDY_PEERS_H
-#define VS_STUDY_PEERS_H
+#pragma once
 
 #include "workers/journal.h"
 
@@ -12,5 +11,3 @@
  * it still lacks. Errors: a file cannot be read, or the journal not be written. */
 vs_status vs_peers_take(const char *folder, vs_journal *journal, uint64_t first, uint64_t until,
                         uint64_t *missing, vs_error *err);
-
-#endif

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/hash.h"
 #include "netlist/catalogue.h"
 #include "run/sections.h"
 

@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "base/csv.h"
-#include "base/file.h"
 #include "base/jail.h"
 #include "netlist/kinds.h"
 

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "base/compressed.h"
-#include "base/csv.h"
 #include "base/file.h"
 #include "base/path.h"
 #include "npy.h"

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A study's result as its folder has it, made of the journals' rows: the file of rows,
  * failures.csv, manifest.json, and in some formats the folder of columns. */
-#ifndef VS_STUDY_PUBLISH_H
-#define VS_STUDY_PUBLISH_H
+#pragma once
 
 #include "study/format.h"
 #include "workers/journal.h"
@@ -37,5 +36,3 @@ bool vs_publish_was_begun(const vs_journals *journals, const char *folder);
  * cannot be read. */
 vs_status vs_publish_show(const char *folder, const char *name, bool header, FILE *out,
                           vs_error *err);
-
-#endif

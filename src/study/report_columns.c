@@ -121,7 +121,7 @@ static void fill_column(vs_report_column *column, const vs_listed_measure *m, bo
   column->rating = m->limit;
   column->at_least = m->at_least;
   column->own = m->own;
-  column->assumed = m->assumed;
+  column->unsure = m->unsure;
   column->left_out_by = m->left_out_by;
   column->sense = m->sense;
   column->line = line;
@@ -190,7 +190,7 @@ static vs_status add_line(vs_plan *plan, const vs_listed_measure *m, vs_error *e
   if (column->rating != m->limit || other || varied) column->rating = NAN;
   if (column->sense != m->sense || varied) column->sense = 0;
   if (column->left_out_by != m->left_out_by) column->left_out_by = 0;
-  column->assumed = column->assumed || m->assumed;
+  column->unsure |= m->unsure;
   return VS_OK;
 }
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The columns that a study's table has behind its axes: which measures are reported, with their
  * units and ratings. */
-#ifndef VS_STUDY_REPORT_COLUMNS_H
-#define VS_STUDY_REPORT_COLUMNS_H
+#pragma once
 
 #include "study/plan.h"
 
@@ -30,5 +29,3 @@ vs_status vs_report_columns_resolve(vs_plan *plan, const vs_scene *scene, const 
  * they are no columns yet. Errors: there is no room for them; a device has the name of such a
  * number. */
 vs_status vs_report_columns_add_lines(vs_plan *plan, const vs_scene *scene, vs_error *err);
-
-#endif

@@ -3,7 +3,6 @@
  * stand below in the same order. */
 #include "study/study.h"
 
-#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -18,6 +17,7 @@
 #include "base/json.h"
 #include "base/shutdown.h"
 #include "cleanup.h"
+#include "engine/budget.h"
 #include "judge.h"
 #include "manifest.h"
 #include "peers.h"
@@ -545,7 +545,7 @@ static void print_progress(session *s, double now) {
 /* Shows the progress once a second; what it says is done is on the disk by then. */
 static vs_status keep_progress(void *ctx, vs_error *err) {
   session *s = ctx;
-  double now = vs_worker_clock();
+  double now = vs_budget_clock_s();
   vs_status status = vs_journal_flush(&s->journal, now - s->shown_s >= 1, err);
   if (status || now - s->shown_s < 1) return status;
   s->shown_s = now;
@@ -567,7 +567,7 @@ static vs_status run_cases(session *s, uint64_t first, uint64_t until, vs_error 
 
 /* Waits for the cases of a generation that other shards run, for as long as these take. */
 static vs_status wait_for_peers(session *s, uint64_t first, uint64_t until, vs_error *err) {
-  const double began_s = vs_worker_clock();
+  const double began_s = vs_budget_clock_s();
   struct timespec pause = {0, 10000000}; /* 10 ms, and longer each time */
   uint64_t missing = 0;
   bool said = s->o->quiet;
@@ -576,7 +576,7 @@ static vs_status wait_for_peers(session *s, uint64_t first, uint64_t until, vs_e
     if (s->o->stop && *s->o->stop) return VS_SIGNAL;
     nanosleep(&pause, NULL);
     if (pause.tv_nsec < 500000000) pause.tv_nsec += pause.tv_nsec / 2;
-    if (!said && vs_worker_clock() - began_s > PATIENCE_S) {
+    if (!said && vs_budget_clock_s() - began_s > PATIENCE_S) {
       fprintf(stderr,
               "vibrospice: note: this shard waits for %llu cases of the others, whose folders lie "
               "beside %s; --resume without --shard goes on alone\n",
@@ -629,7 +629,7 @@ static vs_status run_study(session *s, vs_error *err) {
   int jobs = s->o->jobs ? s->o->jobs : vs_worker_pool_cores();
   s->total = (s->count + head->shards - head->shard) / head->shards;
   s->before = s->journal.done + s->journal.failed;
-  s->began_s = s->shown_s = vs_worker_clock();
+  s->began_s = s->shown_s = vs_budget_clock_s();
   s->show = !s->o->quiet && !s->o->progress_json && isatty(STDERR_FILENO);
   s->tell_s = s->o->quiet ? INFINITY : TOLD_S;
   if ((uint64_t)jobs > s->total && s->total) jobs = (int)s->total;
@@ -646,7 +646,7 @@ static vs_status run_study(session *s, vs_error *err) {
   vs_shutdown_mode_set(heed); /* the rows are in the journal: what follows can be done again */
   if (s->plan.adaptive) s->total = s->count;
   if (s->show) dprintf(STDERR_FILENO, "\r\033[K");
-  if (!status) print_progress(s, vs_worker_clock());
+  if (!status) print_progress(s, vs_budget_clock_s());
   if (s->show) dprintf(STDERR_FILENO, "\r\033[K");
   if (s->show && s->shared)
     fprintf(stderr, "shared pasts: %llu of %llu cases\n", (unsigned long long)s->shared,

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "engine/tiers.h"
 #include "run/session.h"
 #include "study_file.h"
 
@@ -29,19 +30,43 @@ static size_t count_asked(const vs_plan *plan) {
   return n;
 }
 
+/* Adds what the first case's scene has for each axis: "circuit.across_switch 1N4744". */
+static void add_first_case(const vs_plan *plan, vs_text *text) {
+  const char *between = "";
+  for (size_t k = 0; k < plan->n_axes; k++) {
+    const vs_node *own = vs_tree_find(plan->first->tree.root, plan->axes[k].key);
+    if (!own || own->kind != VS_NODE_TEXT) continue;
+    vs_text_add(text, "%s%s %s", between, own->key, own->text);
+    between = ", ";
+  }
+}
+
 vs_status vs_study_check_read(const vs_check_options *o, const vs_method *const *methods,
                               vs_text *good, vs_error *err) {
   vs_plan *plan = vs_alloc(1, sizeof *plan);
   char method[128];
+  vs_error why = {0};
   vs_status status = vs_study_file_read(o->name, methods, o->sets, o->n_sets, plan, err);
-  if (!status && !vs_error_count(err))
-    status = vs_session_try(plan->first->tier, &plan->first->setup, err);
+  bool rests = true;
+  if (!status && !vs_error_count(err)) {
+    status = vs_session_try(plan->first->tier, &plan->first->setup, &why);
+    rests = !status || !strstr(why.text, vs_tiers_on_at_rest);
+    why.findings = err->findings;
+    if (status && rests) *err = why;
+    if (!rests) status = VS_OK; /* others of its cases may begin */
+  }
   if (!status && !vs_error_count(err)) {
     vs_plan_method(plan, method, sizeof method);
-    vs_text_add(good, "a good study: %s, %s%llu cases of %zu axes, %zu columns; tier %s (%s)",
-                method, plan->adaptive ? "at most " : "", (unsigned long long)plan->count,
-                plan->n_axes, count_asked(plan), plan->first->tier->name, plan->first->why);
+    vs_text_add(good, "a good study: %s, %s%llu cases of %zu %s, %zu columns; tier %s (%s)", method,
+                plan->adaptive ? "at most " : "", (unsigned long long)plan->count, plan->n_axes,
+                plan->n_axes == 1 ? "axis" : "axes", count_asked(plan), plan->first->tier->name,
+                plan->first->why);
     vs_control_describe(&plan->first->control, good);
+    if (!rests) {
+      vs_text_add(good, "; its first case (");
+      add_first_case(plan, good);
+      vs_text_add(good, ") cannot begin: %s", why.text);
+    }
   }
   vs_plan_free(plan);
   free(plan);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How a study's file is read: its scene, its methods with their axes, its columns, and on trial the
  * scenes of its first cases. */
-#ifndef VS_STUDY_STUDY_FILE_H
-#define VS_STUDY_STUDY_FILE_H
+#pragma once
 
 #include "study/plan.h"
 
@@ -11,5 +10,3 @@
  * most. vs_plan_free even then. */
 vs_status vs_study_file_read(const char *name, const vs_method *const *methods, char *const *sets,
                              size_t n_sets, vs_plan *plan, vs_error *err);
-
-#endif

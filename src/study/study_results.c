@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
-
 /* ---- names and how often ---- */
 
 static void count_name(vs_counts *c, const char *name) {

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * One threat of a list (study/threats.h), and its cases as numbers. */
-#ifndef VS_STUDY_THREAT_H
-#define VS_STUDY_THREAT_H
+#pragma once
 
 #include "run/axis.h"
 
@@ -62,5 +61,3 @@ void vs_threat_stratum(const vs_threat *threat, uint64_t seed, uint64_t index, u
 
 /* Returns the number by which random numbers of something of that name are keyed. */
 uint64_t vs_threat_key(const char *name, const char *key);
-
-#endif

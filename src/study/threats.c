@@ -157,6 +157,17 @@ static vs_status read_any(const vs_threat *t, vs_axis *axis, const vs_scene *sce
   return any_number(axis, node, err);
 }
 
+/* Error: the range falls. Of an angle it may be meant to lead on through 0 deg, which it does not.
+ */
+static vs_status check_rise(const vs_axis *axis, const vs_node *node, vs_error *err) {
+  if (!axis->ranged || axis->n_values || axis->from < axis->to) return VS_OK;
+  return vs_fail_at(
+      err, node->where,
+      "%s: the range goes down, from %.6g to %.6g %s; the lesser end first is wanted%s", axis->key,
+      axis->from, axis->to, axis->unit,
+      strcmp(axis->unit, "deg") ? "" : ", and past 360 deg another threat");
+}
+
 static vs_status add_range(vs_threat *t, const vs_scene *scene, const vs_field *field,
                            const vs_node *node, vs_error *err) {
   if (t->n_ranges == VS_THREAT_RANGES)
@@ -172,6 +183,7 @@ static vs_status add_range(vs_threat *t, const vs_scene *scene, const vs_field *
   axis->is_word = field->kind & (VS_CHOICE | VS_NAME);
   vs_status status =
       is_any(node) ? read_any(t, axis, scene, node, err) : vs_axis_values(axis, node, err);
+  if (!status) status = check_rise(axis, node, err);
   if (status) t->n_ranges--;
   if (status) vs_axis_free(axis);
   return status;
@@ -448,16 +460,6 @@ void vs_threats_free(vs_threats *all) {
 
 /* ---- laying a case over a scene ---- */
 
-/* Puts what the scene itself says under the key, or nothing. */
-static void put_back(const vs_scene *scene, const char *key, vs_tree *tree) {
-  const vs_node *node = vs_tree_child(scene->tree.root, key);
-  vs_error never = {0}; /* none of the keys goes through a list */
-  if (node)
-    vs_tree_graft(tree, key, node, &never);
-  else
-    vs_tree_drop(tree, key);
-}
-
 /* Puts a list of what the scene itself says under the key, and of these words. */
 static void put_list(const vs_scene *scene, const char *key, const char *const *words, size_t n,
                      vs_where where, vs_tree *tree) {
@@ -467,7 +469,7 @@ static void put_list(const vs_scene *scene, const char *key, const char *const *
   const vs_node *node = vs_tree_child(scene->tree.root, key);
   size_t count = 0;
   if (!n) {
-    put_back(scene, key, tree);
+    vs_tree_put_back(tree, &scene->tree, key);
     return;
   }
   if (node && node->kind == VS_NODE_TEXT && *node->text) item[count++] = *node;
@@ -542,7 +544,7 @@ static void put_event(const vs_threat *t, const double *value, vs_tree *tree) {
 
 void vs_threats_put(const vs_threats *all, const vs_threat *t, const double *value, vs_tree *tree) {
   const char *criterion = vs_expect_criteria[t->criterion].name;
-  put_back(all->scene, "events", tree);
+  vs_tree_put_back(tree, &all->scene->tree, "events");
   if (t->kind) put_event(t, value, tree);
   if (t->with) put_event(t->with, value + t->n_ranges, tree);
   put_list(all->scene, "expect", &criterion, t->criterion > 0, t->criterion_where, tree);
@@ -552,7 +554,7 @@ void vs_threats_put(const vs_threats *all, const vs_threat *t, const double *val
   else if (t->start)
     vs_tree_put(tree, "start", vs_setup_steady, t->start->where);
   else
-    put_back(all->scene, "start", tree);
+    vs_tree_put_back(tree, &all->scene->tree, "start");
   put_until(all, t, tree);
 }
 

@@ -15,8 +15,7 @@
  * with the same keys is the same case, with the same id. One threat comes at a time; `with` names
  * the one other that comes along. The scene as it is, without any, is the threat `none`, the last
  * of the list. */
-#ifndef VS_STUDY_THREATS_H
-#define VS_STUDY_THREATS_H
+#pragma once
 
 #include "threat.h"
 
@@ -56,5 +55,3 @@ vs_status vs_threats_check(const vs_threat *threat, const vs_scene *scene, vs_er
  * `run` takes it: "events.surge.kind=surge". False: there are no more. */
 bool vs_threats_setting(const vs_threats *threats, const vs_threat *threat, size_t k,
                         vs_text *text);
-
-#endif

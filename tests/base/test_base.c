@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Wing base: units, names, trees, field tables, files that appear whole or not at all. */
 #include <float.h>
-#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -969,10 +968,10 @@ static void amounts(void) {
   char text[2 * VS_ENGINEERING_SIZE];
   for (size_t k = 0; k < COUNT(ROWS); k++)
     CU_ASSERT_STRING_EQUAL(vs_engineering_text(ROWS[k].value, ROWS[k].unit, text), ROWS[k].text);
-  CU_ASSERT_STRING_EQUAL(vs_engineering_range(-0.99997, 0.5, "m", text), "-1 .. 0.5 m");
+  CU_ASSERT_STRING_EQUAL(vs_engineering_range(-0.99997, 0.5, "m", text), "-1 m .. 0.5 m");
   CU_ASSERT_STRING_EQUAL(vs_engineering_range(4.441e-16, 0.003169, "A2.s", text),
-                         "0 .. 0.003169 A2.s");
-  CU_ASSERT_STRING_EQUAL(vs_engineering_range(-2e-3, 1e3, "V", text), "-2e-06 .. 1 kV");
+                         "0 A2.s .. 0.003169 A2.s");
+  CU_ASSERT_STRING_EQUAL(vs_engineering_range(-2e-3, 1e3, "V", text), "-2e-06 kV .. 1 kV");
 }
 
 /* A caption ends at a word's end, and has no more characters than there is room for. */

@@ -493,6 +493,14 @@ static void near_names(void) {
   free_ran(&r);
 }
 
+/* One that begins otherwise is of another family: a resistor AC03 is no transistor. */
+static void other_families(void) {
+  ran r = run("run relay --set circuit.switch=BC337");
+  EXPECT(r.status == 2 && strstr(r.err, "no part 'BC337'") && !strstr(r.err, "did you mean"),
+         "%d: %s", r.status, r.err);
+  free_ran(&r);
+}
+
 /* A file of one's own is named with its ending, and in a --set also with its folder, unless that is
  * where the program runs. The message says what to write, and that works. */
 static void own_file(void) {
@@ -746,6 +754,7 @@ static const vs_test TESTS[] = {{"sound", sound},
                                 {"nothing said", nothing_said},
                                 {"mistakes", mistakes},
                                 {"near names", near_names},
+                                {"other families", other_families},
                                 {"own file", own_file},
                                 {"identities", identities},
                                 {"jailed", jailed},

@@ -349,15 +349,6 @@ static void a_latch_with_a_gate_that_jumps(void) {
 
 /* ---- in the paper's circuit ---- */
 
-static double extreme(const vs_trial *t, const char *probe, int sense) {
-  for (int e = 0; e < t->result.watchers.measures->n_extremes; e++) {
-    const vs_extreme *x = &t->result.watchers.measures->extremes[e];
-    if (x->sense == sense && !strcmp(vs_channel_at(&t->scene.frame, x->channel).name, probe))
-      return x->best.value;
-  }
-  return NAN;
-}
-
 /* By both rules the scene runs, and in about the latch's steps. What it conducts is the latch's but
  * for its holding current, below which it lets go 70 us sooner, but for microamperes: the first
  * peak is 0.12 % less, and the ringing behind begins otherwise, by 0.8 % of its extremes at most.
@@ -376,8 +367,8 @@ static void in_the_papers_scene(void) {
     CLOSE(t[1]->result.values[VS_M_GAP_FIRST].value, t[0]->result.values[VS_M_GAP_FIRST].value,
           2e-3);
     CLOSE(t[1]->result.values[VS_M_I_PEAK].value, t[0]->result.values[VS_M_I_PEAK].value, 2e-3);
-    CLOSE(extreme(t[1], "v_ak", -1), extreme(t[0], "v_ak", -1), 0.01);
-    CLOSE(extreme(t[1], "v_ak", 1), extreme(t[0], "v_ak", 1), 0.01);
+    CLOSE(run_extreme(t[1], "v_ak", -1), run_extreme(t[0], "v_ak", -1), 0.01);
+    CLOSE(run_extreme(t[1], "v_ak", 1), run_extreme(t[0], "v_ak", 1), 0.01);
     /* What the pair has stored flows on, at microamperes, to about the latch's zero. At the end it
      * draws no more than its leakage, which does not count: it is extinct some 10 us before. */
     CLOSE_OF(t[1]->result.values[VS_M_T_EXTINCTION].value,
@@ -418,8 +409,8 @@ static void at_tight_tolerances(void) {
     }
     CLOSE(t[0]->result.values[VS_M_GAP_FIRST].value, t[1]->result.values[VS_M_GAP_FIRST].value,
           1e-3);
-    CLOSE(extreme(t[0], "v_ak", -1), extreme(t[1], "v_ak", -1), 1e-3);
-    CLOSE(extreme(t[0], "v_ak", 1), extreme(t[1], "v_ak", 1), 1e-3);
+    CLOSE(run_extreme(t[0], "v_ak", -1), run_extreme(t[1], "v_ak", -1), 1e-3);
+    CLOSE(run_extreme(t[0], "v_ak", 1), run_extreme(t[1], "v_ak", 1), 1e-3);
     for (int tight = 0; tight < 2; tight++) vs_trial_free(t[tight]);
   }
 }

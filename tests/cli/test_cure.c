@@ -17,6 +17,8 @@ static const char DECK[] = "* a divider\n"
                            "*$ port   mains = Vmains\n"
                            "*$ probe  i_d = i(Vd)     A\n"
                            "*$ probe  v_1 = v(src,a)  V\n"
+                           "*$ device r1 resistor = v(src,a), v(src,a)/{r1}\n"
+                           "*$ device c1 capacitor = v(src,a), i(Vd)-v(src,a)/{r1}\n"
                            "Vmains src 0 external\n"
                            "R1     src a {r1}\n"
                            "C1     src a {c1} ic=0\n"
@@ -136,6 +138,23 @@ static void another_part(void) {
   }
 }
 
+/* A place whose kind the deck leaves open takes any suppressor, and r_iron is no part: the iron's
+ * loss. A Zener diode of 18 V across a relay's switch breaks 20 V no more than the TVS does, whose
+ * 24 V break it; a diode across the coil holds it. */
+static void suppressors(void) {
+  write_file("c.csv", "part,kind,price\nSMBJ24CA,tvs,0.2\n1N4746,zener,0.1\n1N4004,diode,0.02\n"
+                      "R,resistor,0.01\n");
+  write_file("v.yaml", "machine: {model: relay}\nsupply: {kind: step, voltage: 12 V}\n"
+                       "pwm: {off: 50 ms}\ncircuit: {deck: coil_switch, across_coil: SMBJ24CA}\n"
+                       "run: {until: 60 ms}\nratings: {v_ds_max: .. 20 V}\n");
+  ran r = run("cure v.yaml --catalogue c.csv --all");
+  SAYS(&r, 0, "across_coil SMBJ24CA -> 1N4004 (-0.18): least margin +");
+  SAYS(&r, 0, "across_switch open -> SMBJ24CA (0.2): does not hold v_ds_max");
+  SAYS(&r, 0, "no other part for switch\n");
+  EXPECT(!strstr(r.out, "r_iron") && !strstr(r.out, "-> R "), "%s", r.out);
+  free_ran(&r);
+}
+
 static void refusals(void) {
   write_scene("i_d: .. 0.5 A");
   refuse("cure s.yaml --series E13", "a series that is none", "",
@@ -152,6 +171,7 @@ static const vs_test tests[] = {{"the next value", next_value},
                                 {"with prices", with_prices},
                                 {"another line breaks", another_line_breaks},
                                 {"another part", another_part},
+                                {"suppressors", suppressors},
                                 {"refusals", refusals}};
 
 int main(void) {

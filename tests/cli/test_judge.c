@@ -12,12 +12,13 @@
 #include "program.h"
 #include "suite.h"
 
-/* Three angles; every margin has its error. */
+/* Every margin has its error. Where one case shows as much as three do, it is run alone. */
 static const char STUDY[] =
     "set: {circuit: {deck: halfwave_paper, thyristor: TYN1212}, run: {until: 24 ms, verify: "
     "always,\n"
     "  tolerance: 1e-3}%s}\n"
-    "vary: {firing.angle: [60 deg, 100 deg, 140 deg]}\nreport: [thyristor.v_reverse]\n";
+    "vary: {firing.angle: [%s]}\nreport: [thyristor.v_reverse]\n",
+                  THREE[] = "60 deg, 100 deg, 140 deg", ONE[] = "100 deg";
 
 enum { MOST = 256 };
 typedef struct table {
@@ -55,9 +56,9 @@ static double number_of(const table *t, size_t row, const char *name) {
   return atof(cell_of(t, row, name));
 }
 
-static void run_study(const char *folder, const char *more) {
+static void run_study(const char *folder, const char *angles, const char *more) {
   char text[1024];
-  snprintf(text, sizeof text, STUDY, more);
+  snprintf(text, sizeof text, STUDY, more, angles);
   write_file("s.yaml", text);
   ran r = run("study s.yaml -o %s --quiet --overwrite", folder);
   EXPECT(r.status == 0 || r.status == 3, "%s: %d %s", more, r.status, r.err);
@@ -66,7 +67,7 @@ static void run_study(const char *folder, const char *more) {
 
 /* A row's margin is that of its stress; margin_least is that of the weakest line. */
 static void lines_of_a_row(void) {
-  run_study("plain", "");
+  run_study("plain", THREE, "");
   table t = read_table("plain/study.csv");
   CU_ASSERT_EQUAL_FATAL(t.rows, 3);
   for (size_t k = 0; k < t.rows; k++) {
@@ -88,7 +89,7 @@ static void lines_of_a_row(void) {
 /* Limits of the scene's own are lines, too. What judge makes of 900 V is what a study with that
  * limit has, whether it is said as a limit or as a part of the part's 1200 V. */
 static void another_limit(void) {
-  run_study("rated", ", ratings: {thyristor.v_reverse: '.. 900 V'}");
+  run_study("rated", THREE, ", ratings: {thyristor.v_reverse: '.. 900 V'}");
   table rated = read_table("rated/study.csv");
   static const char *const SETS[] = {"limits.thyristor.v_reverse=900V",
                                      "hold.thyristor.v_reverse=0.75"};
@@ -134,6 +135,9 @@ static void house_and_waivers(void) {
   r = run("judge plain --set hold.thyristor.v_reverse=0.1");
   CU_ASSERT_EQUAL(r.status, 3);
   free_ran(&r);
+  r = run("judge plain --set hold.thyristor.v_reverse=0.1 --set waive=[thyristor]");
+  CU_ASSERT_EQUAL(r.status, 0);
+  free_ran(&r);
   r = run("judge plain --set hold.thyristor.v_reverse=0.1 --set waive=[thyristor.v_reverse]");
   EXPECT(r.status == 0, "%d %s %s", r.status, r.out, r.err);
   free_ran(&r);
@@ -173,17 +177,15 @@ static void limits_below_zero(void) {
   for (size_t n = 0; n < COUNT(ROWS); n++) {
     char more[64];
     snprintf(more, sizeof more, ", ratings: {%s}", ROWS[n].before);
-    run_study("before", more);
+    if (!n || strcmp(ROWS[n].before, ROWS[n - 1].before)) run_study("before", ONE, more);
     snprintf(more, sizeof more, ", ratings: {%s}", ROWS[n].now);
-    run_study("now", more);
+    run_study("now", ONE, more);
     ran r = run("judge before -o judged --quiet --set %s", ROWS[n].set);
     table now = read_table("now/study.csv"), judged = read_table("judged/judged.csv");
-    CU_ASSERT_EQUAL_FATAL(judged.rows, 3);
-    for (size_t k = 0; k < 3; k++) {
-      near(number_of(&judged, k, "margin_least"), number_of(&now, k, "margin_least"), 1e-10);
-      CU_ASSERT_STRING_EQUAL(cell_of(&judged, k, "weakest"), cell_of(&now, k, "weakest"));
-      CU_ASSERT_STRING_EQUAL(cell_of(&judged, k, "status"), cell_of(&now, k, "status"));
-    }
+    CU_ASSERT_EQUAL_FATAL(judged.rows, 1);
+    near(number_of(&judged, 0, "margin_least"), number_of(&now, 0, "margin_least"), 1e-10);
+    CU_ASSERT_STRING_EQUAL(cell_of(&judged, 0, "weakest"), cell_of(&now, 0, "weakest"));
+    CU_ASSERT_STRING_EQUAL(cell_of(&judged, 0, "status"), cell_of(&now, 0, "status"));
     free_ran(&r);
     free(now.text), free(judged.text);
   }
@@ -252,10 +254,11 @@ static void edited_rows(void) {
 
 /* The scene rates what it waives of the part: the rating counts, with what the house wants. */
 static void a_rating_beside_a_waiver(void) {
-  run_study("own", ", ratings: {thyristor.v_reverse: '.. 1100 V'}, waive: [thyristor.v_reverse]");
+  run_study("own", ONE,
+            ", ratings: {thyristor.v_reverse: '.. 1100 V'}, waive: [thyristor.v_reverse]");
   ran r = run("judge own --set hold.margin=50%% --json");
   EXPECT(strstr(r.out, "{\"name\": \"thyristor.v_reverse\", \"part_of_limit\": 1, \"waived\": "
-                       "false, \"broken_as_run\": 0, \"broken_now\": 3}"),
+                       "false, \"broken_as_run\": 0, \"broken_now\": 1}"),
          "%s%s", r.out, r.err);
   free_ran(&r);
 }
@@ -263,10 +266,10 @@ static void a_rating_beside_a_waiver(void) {
 /* Rows of criterion B have the limits of dv/dt waived. Criterion A asks for them, and a row does
  * not say whether the scene waived them besides: what would break is undecided. */
 static void what_a_criterion_waived(void) {
-  run_study("b", ", expect: [B]");
-  static const char *const ROWS[][2] = {{"b", "\"held\": 3"},
-                                        {"b --set criterion=B", "\"held\": 3"},
-                                        {"b --set criterion=A", "\"undecided\": 3"},
+  run_study("b", ONE, ", expect: [B]");
+  static const char *const ROWS[][2] = {{"b", "\"held\": 1"},
+                                        {"b --set criterion=B", "\"held\": 1"},
+                                        {"b --set criterion=A", "\"undecided\": 1"},
                                         {"plain", "\"undecided\": 3"},
                                         {"plain --set criterion=B", "\"held\": 3"}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -305,9 +308,9 @@ static void as_under_that_criterion(void) {
   for (const char *c = "ABC"; *c; c++) {
     char text[512];
     snprintf(text, sizeof text,
-             "set: {circuit.deck: halfwave_paper, firing.every: 1, run.until: 60 ms}\n"
+             "set: {circuit.deck: halfwave_paper, firing.every: 1, run.until: 40 ms}\n"
              "threats:\n"
-             "  s: {kind: surge, cycle: 2, angle: [355 deg], level: 1 kV, criterion: %c}\n"
+             "  s: {kind: surge, cycle: 1, angle: [355 deg], level: 1 kV, criterion: %c}\n"
              "  c: {kind: coil_short, angle: [100 deg], fraction: [100 %%], criterion: %c}\n"
              "report: [p_min]\n",
              *c, *c);
@@ -361,7 +364,7 @@ static void refused(void) {
       {"judge plain --set criterion=D", "criterion: A (nothing happens)"},
       {"judge plain --set waive=[p_min]", "have no line 'p_min'"},
       {"judge nowhere", "manifest.json"}};
-  run_study("rated_0", ", ratings: {i: '.. 0 A', thyristor.v_reverse: '1 V .. 5 kV'}");
+  run_study("rated_0", ONE, ", ratings: {i: '.. 0 A', thyristor.v_reverse: '1 V .. 5 kV'}");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("%s", ROWS[k][0]);
     EXPECT(r.status == 2 && strstr(r.err, ROWS[k][1]) && !*r.out, "%s: %d %s", ROWS[k][0], r.status,

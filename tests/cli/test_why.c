@@ -174,6 +174,37 @@ static void assumed_figures(void) {
   free_ran(&r);
 }
 
+/* A parameter without a source is named for the elements that are made of it, also by way of
+ * another one, and marks the lines of the device whose formula has it. What the scene says is no
+ * guess. */
+static void assumed_parameters(void) {
+  static const char GUESSED[] =
+      "* what no source says\n"
+      "*$ param r_s = 1 kohm 1..1e6 assumed \"a guess\"\n"
+      "*$ param c_s = 1.6 uF 1e-3..1e3 typical\n"
+      "*$ param r_d = 100 ohm 1..1e6 assumed \"a guess\"\n"
+      "*$ param t = p.inc part\n*$ port mains = Vmains\n*$ probe i_d = i(Vd) A\n"
+      "*$ device t = v(a), v(a)/{r_d}\n.param twice={2*r_s}\n"
+      "Vmains src 0 external\nRs src a {twice/2}\nCs src a {c_s} ic=0\nVd a b 0\nRd b 0 {r_d}\n"
+      "Xeva src 0 eva\n";
+  write_file("own.cir", GUESSED);
+  write_file("p.inc",
+             "*$ part thyristor \"P\"\n*$ limit i_tsm = 1 A typical\n*$ limit v_drm = 9 kV\n"
+             ".subckt p a k g\nRg g k 1k\n.ends p\n");
+  write_file("s.yaml", "circuit: {deck: own.cir}\nratings: {i_d: .. 10 mA}\n"
+                       "run: {until: 8 ms, tier: circuit, verify: never}\n");
+  ran r = run("run s.yaml --why --all");
+  EXPECT(strstr(r.out, "; assumed: circuit.r_s; typical: circuit.c_s\n"), "%s", r.out);
+  EXPECT(strstr(r.out, "unverified  assumed, typical\n") && strstr(r.out, "unverified  assumed\n"),
+         "%s", r.out);
+  free_ran(&r);
+  r = run("run s.yaml --why --all --json --set circuit.r_s=1kohm --set circuit.c_s=1.6uF "
+          "--set circuit.r_d=100ohm");
+  EXPECT(!strstr(r.out, "circuit.r_s") && strstr(r.out, "\"assumed\": false, \"typical\": true"),
+         "%s", r.out);
+  free_ran(&r);
+}
+
 /* Of more lines than there is room for, it is said how many are left out. */
 static void many_lines(void) {
   enum { MORE = 11 }; /* beside three */
@@ -226,6 +257,7 @@ static const vs_test tests[] = {{"a fall to zero", a_fall_to_zero},
                                 {"shares under a surge", under_a_surge},
                                 {"a reverse voltage", a_reverse_voltage},
                                 {"assumed figures", assumed_figures},
+                                {"assumed parameters", assumed_parameters},
                                 {"transistors and gates", transistors_and_gates},
                                 {"lines without a circuit", without_a_circuit}};
 

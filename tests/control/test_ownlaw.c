@@ -13,15 +13,10 @@
 
 #include "base/shutdown.h"
 #include "control/child_process.h"
+#include "engine/budget.h"
 #include "program.h"
 
 /* ---- the process by itself ---- */
-
-static double wall_s(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* Nothing that this process has started is left, not even a zombie. */
 static void expect_alone(int line) {
@@ -79,11 +74,12 @@ static void a_copy_fails(void) {
     vs_child_process r = {.name = "copy", .timeout_s = k == 2 ? 0.2 : 20};
     vs_error err = {0};
     int first = 0, number;
-    double began_s = wall_s();
+    double began_s = vs_budget_clock_s();
     CU_ASSERT(!vs_child_process_fork(&r, answer_bytes, &first, &err));
     EXPECT(ask_number(&r, WAYS[k].ask, &number, &err) == VS_RUN, "%s: no error", WAYS[k].ask);
     EXPECT(!strcmp(err.text, WAYS[k].says), "%s", err.text);
-    EXPECT(wall_s() - began_s < 10, "%s: took %g s", WAYS[k].ask, wall_s() - began_s);
+    EXPECT(vs_budget_clock_s() - began_s < 10, "%s: took %g s", WAYS[k].ask,
+           vs_budget_clock_s() - began_s);
     EXPECT(ask_number(&r, "n", &number, &err) == VS_RUN, "%s: it lives on", WAYS[k].ask);
     vs_child_process_end(&r);
     expect_alone(__LINE__);
@@ -131,14 +127,14 @@ static void a_program_answers(void) {
 static void expect_line(char *const *words, double timeout_s, const char *says, int line) {
   vs_child_process r = {.name = "it", .timeout_s = timeout_s};
   vs_error err = {0};
-  double began_s = wall_s();
+  double began_s = vs_budget_clock_s();
   vs_status status = vs_child_process_exec(&r, words, "", (vs_where){.file = "s.yaml"}, &err);
   if (!status) {
     usleep(100000);
     status = ask_line(&r, "?\n", &err);
   }
   expect(status && strstr(err.text, says), line, "'%s' instead of '%s'", err.text, says);
-  expect(wall_s() - began_s < 10, line, "took %g s", wall_s() - began_s);
+  expect(vs_budget_clock_s() - began_s < 10, line, "took %g s", vs_budget_clock_s() - began_s);
   vs_child_process_end(&r);
   expect_alone(line);
 }

@@ -42,15 +42,6 @@ static vs_trial *trial(const settings *s, const vs_observer *also, double limits
 }
 #define TRIAL(s, also) trial(s, also, 1, __LINE__)
 
-static double extreme(const vs_trial *t, const char *probe, int sense) {
-  for (int e = 0; e < t->result.watchers.measures->n_extremes; e++) {
-    const vs_extreme *x = &t->result.watchers.measures->extremes[e];
-    if (x->sense == sense && !strcmp(vs_channel_at(&t->scene.frame, x->channel).name, probe))
-      return x->best.value;
-  }
-  return NAN;
-}
-
 /* The armature all but nailed down, so that L stays 1.6 H: under 100 N it moves 1e-7 m. */
 static void nail_down(settings *s) {
   ADD(s, "machine.trough_mass=10000 kg", "machine.base_mass=100000 kg",
@@ -90,8 +81,8 @@ static void ideal_parts_give_t3a(void) {
   CLOSE(t->result.values[VS_M_I_PEAK].value, 0.83336808722, 1e-4);
   CLOSE(t->result.values[VS_M_GAP_FIRST].value, -1.3771464192e-3, 1e-4);
   CLOSE_OF(p, -7.4366149576e-4, -1.3771464192e-3, 1e-4);
-  CLOSE(extreme(t, "v_ak", -1), -1048.7, 1e-3);
-  CLOSE(extreme(t, "v_ak", 1), 829.3, 1e-3);
+  CLOSE(run_extreme(t, "v_ak", -1), -1048.7, 1e-3);
+  CLOSE(run_extreme(t, "v_ak", 1), 829.3, 1e-3);
   vs_trial_free(t);
 }
 
@@ -108,7 +99,7 @@ static void commutation_overvoltage_holds(void) {
     settings s = {.count = 0};
     ADD(&s, "circuit.deck=halfwave_paper", "run.until=0.017s", TOLERANCES[k]);
     vs_trial *t = TRIAL(&s, NULL);
-    v[k] = extreme(t, "v_ak", -1);
+    v[k] = run_extreme(t, "v_ak", -1);
     vs_trial_free(t);
   }
   printf(" %.3f V, %.3f V", v[0], v[1]);

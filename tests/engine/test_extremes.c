@@ -9,9 +9,9 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#include "plant/coil.h"
 #include "bench.h"
 #include "cli/export.h"
+#include "plant/coil.h"
 #include "suite.h"
 
 static const double PEAK_V = 622.2539674441618; /* 440 V rms */
@@ -32,15 +32,6 @@ static vs_trial *run_ideal(int tier, const char *const *sets, const vs_observer 
   for (; sets[n]; n++) all[n] = sets[n];
   for (size_t k = 0; tier == CIRCUIT && k < COUNT(IDEAL); k++) all[n++] = IDEAL[k];
   return vs_trial_run("paper", vs_tiers_all[tier]->name, all, observer);
-}
-
-static double extreme_of(const vs_trial *t, const char *probe, int sense) {
-  for (int k = 0; k < t->result.watchers.measures->n_extremes; k++) {
-    const vs_extreme *e = &t->result.watchers.measures->extremes[k];
-    if (!strcmp(vs_channel_at(&t->scene.frame, e->channel).name, probe) && e->sense * sense > 0)
-      return e->best.value;
-  }
-  return NAN;
 }
 
 /* ---- a turn-off without a snubber ---- */
@@ -75,7 +66,7 @@ static void ringing(void) {
     vs_observer observer = {&a, look_at_coil};
     vs_trial *t = vs_trial_run("paper", "circuit", sets, &observer);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-    double least = extreme_of(t, "v_ak", -1), largest = extreme_of(t, "v_ak", 1);
+    double least = run_extreme(t, "v_ak", -1), largest = run_extreme(t, "v_ak", 1);
     printf(" %.2g", a.most_v);
     CU_ASSERT(a.most_v < (k & 1 ? 0.05 : 0.5));
     EXPECT(least > -PEAK_V * (1 + 1e-4) && least < -PEAK_V * (1 - 3e-4), "%s %s %s: %.8g V",

@@ -221,17 +221,6 @@ static void ripple(void) {
 
 /* ---- against plain ngspice ---- */
 
-/* The value of a measure in summary.json. */
-static double measure(const char *json, const char *name, const char *end) {
-  char wanted[96];
-  double value = NAN;
-  snprintf(wanted, sizeof wanted, "\"%s%s\": {\"value\": ", name, end);
-  const char *at = strstr(json, wanted);
-  if (at) sscanf(at + strlen(wanted), "%lf", &value);
-  EXPECT(at, "there is no measure %s%s", name, end);
-  return value;
-}
-
 /* "name = VALUE" in x.log; NaN: it is not there. */
 static double told(const char *log, const char *name) {
   char wanted[64];
@@ -275,15 +264,15 @@ static void agree(const char *scene, const char *sets, const pair *pairs, size_t
   char *log = plain(scene, sets, columns, count), name[32];
   ran r = run("run %s %s --json --quiet", scene, sets);
   expect(r.status == 0 || r.status == 3, line, "%s", r.err);
-  vs_close(told(log, "i_peak_a"), measure(r.out, "i_peak", ""), measure(r.out, "i_peak", ""), 1e-3,
-           "i_peak", line);
-  vs_close(told(log, "force_peak_n"), measure(r.out, "force_peak", ""),
-           measure(r.out, "force_peak", ""), 1e-3, "force_peak", line);
+  vs_close(told(log, "i_peak_a"), json_measure(r.out, "i_peak", ""),
+           json_measure(r.out, "i_peak", ""), 1e-3, "i_peak", line);
+  vs_close(told(log, "force_peak_n"), json_measure(r.out, "force_peak", ""),
+           json_measure(r.out, "force_peak", ""), 1e-3, "force_peak", line);
   for (size_t k = 0; k < count; k++) {
     snprintf(name, sizeof name, "max_%zu", k);
-    double max = told(log, name), own_max = measure(r.out, pairs[k].probe, "_max");
+    double max = told(log, name), own_max = json_measure(r.out, pairs[k].probe, "_max");
     snprintf(name, sizeof name, "min_%zu", k);
-    double min = told(log, name), own_min = measure(r.out, pairs[k].probe, "_min");
+    double min = told(log, name), own_min = json_measure(r.out, pairs[k].probe, "_min");
     double peak = fmax(fabs(own_max), fabs(own_min));
     double off = fmax(fabs(max - own_max), fabs(min - own_min)) / peak;
     printf(" %s %.1e", pairs[k].probe, off);
@@ -462,8 +451,8 @@ static void peaks_at_an_ideal_edge(void) {
                 "--set run.ladder=stay --set run.until=15ms --set run.tolerance=%s --json",
                 TOLERANCES[k]);
     EXPECT(!strstr(r.err, "is met by one step alone"), "%s: %s", TOLERANCES[k], r.err);
-    CLOSE(measure(r.out, "i_gate", "_max"), 0.600, 0.01);
-    CLOSE(measure(r.out, "i_gate", "_min"), -0.563, 0.01);
+    CLOSE(json_measure(r.out, "i_gate", "_max"), 0.600, 0.01);
+    CLOSE(json_measure(r.out, "i_gate", "_min"), -0.563, 0.01);
     free_ran(&r);
   }
 }
@@ -478,8 +467,8 @@ static void the_start_rings(void) {
                 "run.tolerance=%s",
                 TOLERANCES[k]);
     EXPECT(!r.status, "%d %s", r.status, r.err);
-    CLOSE(measure(r.out, "v_link", "_min"), 75.9, 5e-3);
-    CLOSE(measure(r.out, "switch.i_peak", ""), 1.888, 5e-3);
+    CLOSE(json_measure(r.out, "v_link", "_min"), 75.9, 5e-3);
+    CLOSE(json_measure(r.out, "switch.i_peak", ""), 1.888, 5e-3);
     free_ran(&r);
   }
 }

@@ -70,15 +70,6 @@ static double difference(const course *a, const course *b) {
 
 static course left, stayed; /* of a scene: too large for the stack */
 
-static double extreme(const vs_trial *t, const char *probe, int sense) {
-  for (int k = 0; k < t->result.watchers.measures->n_extremes; k++) {
-    const vs_extreme *e = &t->result.watchers.measures->extremes[k];
-    if (!strcmp(vs_channel_at(&t->scene.frame, e->channel).name, probe) && e->sense * sense > 0)
-      return e->best.value;
-  }
-  return NAN;
-}
-
 /* ---- scenes at random ---- */
 
 enum { DIMENSIONS = 13, SCENES = 260, FEW = 6 };
@@ -215,7 +206,7 @@ static void and_back(void) {
   CU_ASSERT_EQUAL(left.times, 2); /* not behind the sag: there the run ends too soon */
   CU_ASSERT(left.back_s < 0.401);
   CU_ASSERT(difference(&left, &stayed) <= a->scene.setup.run.tolerance);
-  CLOSE(extreme(a, "v_ak", 1), extreme(b, "v_ak", 1), 3e-4);
+  CLOSE(run_extreme(a, "v_ak", 1), run_extreme(b, "v_ak", 1), 3e-4);
   vs_trial_free(a);
   vs_trial_free(b);
 }

@@ -5,7 +5,6 @@
  *
  * Where VS_ASK_CLOCKS is set it says on standard error which of the clocks that libngspice may ask
  * stand still. The dynamic linker finds them for it as it does for libngspice. */
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/resource.h>

@@ -2,7 +2,6 @@
  * A netlist's lines as they are taken apart, each line of the text one of the netlist: its cards,
  * scopes and definitions, the circuit unfolded, and its expressions. What is written from the cards
  * has the same cards. */
-#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,8 +2,7 @@
  * What the fuzzers of this folder share. A target is one reader of the program, with a function
  * that gives it any bytes. The reader must return: no crash, no leak, no exit, nothing that takes
  * seconds. tests/fuzz/README.md says how targets are run. */
-#ifndef VS_TESTS_FUZZ_TARGET_H
-#define VS_TESTS_FUZZ_TARGET_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -87,5 +86,3 @@ size_t fuzz_grammar_change(const fuzz_grammar *grammar, char *text, size_t size,
 
 extern const fuzz_grammar fuzz_grammar_deck, fuzz_grammar_part, fuzz_grammar_netlist,
     fuzz_grammar_yaml;
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The targets by name. VS_FUZZ_TARGETS(X) has X(NAME) for each; NAME.c defines fuzz_NAME. */
-#ifndef VS_TESTS_FUZZ_TARGETS_H
-#define VS_TESTS_FUZZ_TARGETS_H
+#pragma once
 
 #include "target.h"
 
@@ -28,5 +27,3 @@
 #define VS_FUZZ_DECLARED(name) extern const fuzz_target fuzz_##name;
 VS_FUZZ_TARGETS(VS_FUZZ_DECLARED)
 #undef VS_FUZZ_DECLARED
-
-#endif

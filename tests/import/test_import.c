@@ -72,17 +72,6 @@ static const struct shipped {
       {"v_out", -0.9885976, 319.3943},
       {"i_source", -0.003389726, 0.8948061}}}};
 
-/* The value of a measure in summary.json. */
-static double measure(const char *json, const char *name, const char *end) {
-  char wanted[96];
-  double value = NAN;
-  snprintf(wanted, sizeof wanted, "\"%s%s\": {\"value\": ", name, end);
-  const char *at = strstr(json, wanted);
-  if (at) sscanf(at + strlen(wanted), "%lf", &value);
-  EXPECT(at, "there is no measure %s%s", name, end);
-  return value;
-}
-
 static void import(const struct shipped *s) {
   ran r = run("import %s %s -o w.cir --scene w.yaml --json --quiet", s->name, s->options);
   EXPECT(r.status == 0 && !*r.err, "%s: %s", s->name, r.err);
@@ -100,16 +89,16 @@ static void as_plain_ngspice_with_the_gap_held(void) {
     if (k && is_for_memory_alone()) continue; /* such circuits run elsewhere, too */
     r = run("run w.yaml --json --quiet --set run.tolerance=%s " HELD, s->tolerance);
     EXPECT(r.status == 0, "%s: %s", s->name, r.err);
-    double worst = fabs(measure(r.out, "i_peak", "") / s->extremes[0].max - 1);
+    double worst = fabs(json_measure(r.out, "i_peak", "") / s->extremes[0].max - 1);
     for (int n = 1; n < MOST_EXTREMES && s->extremes[n].probe; n++) {
       const extreme *e = &s->extremes[n];
       double peak = fmax(fabs(e->min), fabs(e->max));
-      worst = fmax(worst, fabs(measure(r.out, e->probe, "_min") - e->min) / peak);
-      worst = fmax(worst, fabs(measure(r.out, e->probe, "_max") - e->max) / peak);
+      worst = fmax(worst, fabs(json_measure(r.out, e->probe, "_min") - e->min) / peak);
+      worst = fmax(worst, fabs(json_measure(r.out, e->probe, "_max") - e->max) / peak);
     }
     printf(" %s %.1e", s->name, worst);
     EXPECT(worst <= 1e-3, "%s: off by %.2e of a peak", s->name, worst);
-    EXPECT(strstr(r.out, "\"energy\"") && measure(r.out, "energy_residual", "") < 1e-3,
+    EXPECT(strstr(r.out, "\"energy\"") && json_measure(r.out, "energy_residual", "") < 1e-3,
            "%s: the energy books do not close", s->name);
     free_ran(&r);
   }
@@ -142,7 +131,7 @@ static void the_coils_own_names(void) {
     if (is_for_memory_alone()) continue; /* the others run such circuits, too */
     r = run("run own.yaml --json --quiet --set run.until=30ms " HELD);
     EXPECT(r.status == 0, "%s", r.err);
-    CLOSE_OF(measure(r.out, "v_p", "_max"), ROWS[k].v_p, ROWS[k].v_p, 1e-3);
+    CLOSE_OF(json_measure(r.out, "v_p", "_max"), ROWS[k].v_p, ROWS[k].v_p, 1e-3);
     free_ran(&r);
   }
 }

@@ -9,11 +9,11 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "program.h"
-#include "engine/sim.h"
 #include "base/units.h"
+#include "engine/sim.h"
 #include "measure/unjudged.h"
 #include "measure/verdict.h"
+#include "program.h"
 
 /* ---- scenes ----
  * Sources force a course on a device. The part's lines change no number of the circuit, so a limit
@@ -207,8 +207,8 @@ static void every_limit_of_one_number(void) {
   for (size_t k = 0; k < COUNT(TRAPS); k++) spring(&TRAPS[k]);
 }
 
-/* No row of these kinds that has a limit is without its trap. A MOSFET that avalanches breaks v_peak
- * first, so that e_avalanche is tried by itself (test_kinds). */
+/* No row of these kinds that has a limit is without its trap. A MOSFET that avalanches breaks
+ * v_peak first, so that e_avalanche is tried by itself (test_kinds). */
 static void no_row_is_left_out(void) {
   static const char *const KINDS[] = {"thyristor", "triac", "diode", "mosfet", "igbt"};
   for (size_t k = 0; k < COUNT(KINDS); k++) {
@@ -489,7 +489,7 @@ static void a_case_by_the_mean(void) {
   const vs_reduced *j = measure(t, "t_j");
   CLOSE(measure(t, "t_case")->value.value, 25 + 0.75 * mean_power_w(), 1e-4);
   CLOSE(j->value.value, measure(t, "t_case")->value.value + convolved_k(60), 1e-3);
-  CU_ASSERT(j->assumed && j->limit);
+  CU_ASSERT(j->unsure == VS_ASSUMED && j->limit);
   vs_trial_free(t);
   /* of a term of 60 s, which the run cannot warm, the mean is there in the long run: 2 K/W */
   t = heat(NETWORK "*$ zth 2 K/W 60 s\n", "run.until=1.2s", false, SINK);

@@ -44,8 +44,8 @@ static void ratings_take_limits(void) {
   CLOSE(s->deck.ratings[0].max, 500, 1e-15);
   CLOSE(s->deck.ratings[1].min, -2, 1e-15);
   CLOSE(s->deck.ratings[1].max, 0.5, 1e-15);
-  CU_ASSERT_TRUE(s->deck.limits[0].assumed && !s->deck.limits[1].assumed);
-  CU_ASSERT_TRUE(s->deck.ratings[0].bounds[0].assumed && !s->deck.ratings[1].bounds[1].assumed);
+  CU_ASSERT_TRUE(s->deck.limits[0].unsure == VS_ASSUMED && !s->deck.limits[1].unsure);
+  CU_ASSERT_TRUE(s->deck.ratings[0].bounds[0].unsure && !s->deck.ratings[1].bounds[1].unsure);
   vs_setup_free(s);
 }
 
@@ -237,6 +237,10 @@ static void parts_are_listed(void) {
   EXPECT(strstr(r.out, "varistor: EPCOS (TDK) SIOV-S20K510, disc of 20 mm\n") &&
              strstr(r.out, "limit v_rms              510 V          continuous\n") &&
              strstr(r.out, "limit v_varistor         820 V          at 1 mA, nominal (assumed)\n"),
+         "%s", r.out);
+  free_ran(&r);
+  r = run("list parts BT136-600");
+  EXPECT(strstr(r.out, "limit dv_dt_c            50 V/us        after a commutation (typical)\n"),
          "%s", r.out);
   free_ran(&r);
   r = run("list parts");

@@ -4,7 +4,6 @@
  * not load ngspice. */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "program.h"
 

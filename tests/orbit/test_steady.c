@@ -558,9 +558,9 @@ static void at_100_degrees(void) {
 }
 
 /* The same on tier compiled, whose multipliers come of the monodromy matrix of machine and circuit:
- * they are told to a tenth of the tolerance, and the reference has eight digits. That of the
- * circuit's slowest state is this tier's own at 1e-7. In the first two of the six or seven cycles
- * the circuit settles. */
+ * they are told to half of the tolerance, held to a tenth, and the reference has eight digits. That
+ * of the circuit's slowest state is this tier's own at 1e-7. In the first two of the six or seven
+ * cycles the circuit settles. */
 static void at_100_degrees_on_tier_compiled(void) {
   static const double TOLERANCE[] = {1e-4, 1e-6};
   for (size_t k = 0; k < COUNT(TOLERANCE); k++) {
@@ -572,7 +572,7 @@ static void at_100_degrees_on_tier_compiled(void) {
     EXPECT(number_in(r.out, "cycles") <= 7, "%g cycles", number_in(r.out, "cycles"));
     EXPECT(number_in(r.out, "correction") <= 0.01 * tolerance, "%g",
            number_in(r.out, "correction"));
-    CLOSE(number_in(r.out, "multipliers_error"), 0.1 * tolerance, 1e-9);
+    CLOSE(number_in(r.out, "multipliers_error"), 0.5 * tolerance, 1e-9);
     for (int i = 0; i < 4; i++) CLOSE(size_of(r.out, 2 * i), SIZE[i], fmax(0.1 * tolerance, 1e-8));
     CLOSE_OF(size_of(r.out, 8), 0.22854471, 1, fmax(0.1 * tolerance, 1e-8));
     free_ran(&r);
@@ -606,17 +606,28 @@ static void at_other_angles(void) {
 }
 
 /* The transformer's flux linkage creeps by 6 mWb a cycle to -1.268 Wb, for 60 cycles if it is left
- * alone. On the orbit it is where it was a period before. */
+ * alone. On the orbit it is where it was a period before. Tier compiled's first correction takes it
+ * to where the transformer saturates and the fuse melts, and is taken back; 150 cycles from rest
+ * lead it to -1.26842 Wb. */
 static void a_flux_that_creeps(void) {
-  ran r = run("steady paper --tier circuit --set circuit.deck=halfwave_paper --set firing.every=1 "
-              "--set run.tolerance=1e-3 --set run.verify=never --json --quiet -o flux");
-  EXPECT(r.status == 0, "%d %s", r.status, r.err);
-  EXPECT(number_in(r.out, "cycles") <= 30, "%g cycles", number_in(r.out, "cycles"));
-  size_t n;
-  double *flux = column("flux/run.csv", "flux_wb", &n), first = flux[0], last = flux[n - 1];
-  EXPECT(fabs(first + 1.268) < 2e-3 && fabs(last - first) < 1e-4, "%g, %g", first, last);
-  free(flux);
-  free_ran(&r);
+  static const struct {
+    const char *tier;
+    double cycles, wb, off_wb;
+  } ROWS[] = {{"circuit", 30, -1.268, 2e-3}, {"compiled", 16, -1.26842, 1e-5}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("steady paper --tier %s --set circuit.deck=halfwave_paper --set firing.every=1 "
+                "--set run.tolerance=1e-3 --set run.verify=never --json --quiet -o flux%zu",
+                ROWS[k].tier, k);
+    EXPECT(r.status == 0, "%s: %d %s", ROWS[k].tier, r.status, r.err);
+    EXPECT(number_in(r.out, "cycles") <= ROWS[k].cycles, "%g cycles", number_in(r.out, "cycles"));
+    size_t n;
+    double *flux = column(k ? "flux1/run.csv" : "flux0/run.csv", "flux_wb", &n);
+    const double first = flux[0], last = flux[n - 1];
+    EXPECT(fabs(first - ROWS[k].wb) < ROWS[k].off_wb && fabs(last - first) < 1e-4, "%s: %g, %g",
+           ROWS[k].tier, first, last);
+    free(flux);
+    free_ran(&r);
+  }
 }
 
 /* The line warms up with a time constant of 0.2 s, which no probe shows. What the search says that
@@ -655,25 +666,20 @@ static void what_no_probe_shows(void) {
   EXPECT(contains("judged/study.csv", "stable is not known"), "its warning");
 }
 
-/* A run from the orbit goes on as it: after five cycles the motion is the first one's. An event
- * that comes then changes nothing before it, and counts its time from the run's beginning. */
+/* A run from the orbit goes on as it, cycle by cycle, until an event comes, which counts its time
+ * from the run's beginning. */
 static void a_run_begins_there(void) {
-  RUN_GOOD("run paper --tier circuit --set firing.every=1 --set start=steady --set "
-           "run.until=0.1s --quiet -o calm");
   write_file("dip.yaml", "start: steady\nfiring: {every: 1}\nrun: {until: 0.1 s, tier: circuit}\n"
                          "events: {dip: {kind: sag, at: 70 ms}}\n");
   RUN_GOOD("run dip.yaml --quiet -o dip");
-  double off = 0, apart[2] = {0}, scale = 2.078e-3;
-  size_t n, m;
-  double *calm = column("calm/run.csv", "p_m", &n), *dip = column("dip/run.csv", "p_m", &m);
-  EXPECT(n == 1001 && m == 1001, "%zu and %zu rows", n, m);
-  for (size_t k = 0; k < n && k < m; k++) {
-    off = fmax(off, fabs(calm[k] - calm[k % 200]) / scale);
-    apart[k > 700] = fmax(apart[k > 700], fabs(dip[k] - calm[k]) / scale);
-  }
-  free(calm), free(dip);
-  EXPECT(off < 5e-6, "off by %g", off); /* 5 times what the orbit is known to at 1e-4 */
-  EXPECT(apart[0] < 2e-5 && apart[1] > 1e-3, "%g, then %g", apart[0], apart[1]);
+  double off[2] = {0}, scale = 2.078e-3;
+  size_t n;
+  double *p = column("dip/run.csv", "p_m", &n);
+  EXPECT(n == 1001, "%zu rows", n);
+  for (size_t k = 0; k < n; k++) off[k > 700] = fmax(off[k > 700], fabs(p[k] - p[k % 200]) / scale);
+  free(p);
+  /* 5 times what the orbit is known to at 1e-4 */
+  EXPECT(off[0] < 5e-6 && off[1] > 1e-3, "off by %g, then by %g", off[0], off[1]);
   EXPECT(contains("dip/events.csv", "0.07,dip begins"), "the event's time");
   EXPECT(contains("dip/summary.json", "\"steady\": true"), "summary.json");
 }

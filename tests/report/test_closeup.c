@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "program.h"
 #include "report/margin_bars.h"
@@ -143,12 +142,6 @@ static void refused(void) {
     free_ran(&r);
   }
   EXPECT_FILES("one", "events.csv run.csv summary.json ");
-}
-
-static int count_words(const char *text, const char *word) {
-  int n = 0;
-  for (const char *s = text; (s = strstr(s, word)); s += strlen(word)) n++;
-  return n;
 }
 
 /* Reads a CSV file of numbers: its header, then rows. */

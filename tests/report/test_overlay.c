@@ -62,12 +62,6 @@ static int count_coinciding(const curves *computed, const curves *measured) {
   return coincide;
 }
 
-static int count_words(const char *text, const char *word) {
-  int n = 0;
-  for (const char *s = text; (s = strstr(s, word)); s += strlen(word)) n++;
-  return n;
-}
-
 static void expect_picture(const char *path, int panels, int with_measured, int coinciding,
                            int line) {
   char *svg = read_file(path);

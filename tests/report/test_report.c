@@ -79,12 +79,6 @@ static void write_study(const char *method, const char *more, long n, sample (*a
   vs_text_free(&manifest);
 }
 
-static int count_words(const char *text, const char *word) {
-  int n = 0;
-  for (const char *s = text; (s = strstr(s, word)); s += strlen(word)) n++;
-  return n;
-}
-
 static void expect_words(const char *path, const char *const *words, size_t count, int line) {
   char *text = read_file(path);
   for (size_t k = 0; k < count; k++)
@@ -302,6 +296,26 @@ static void one_picture(void) {
 static sample shuffled(long k) {
   long n = k * 1777 % 4001;
   return (sample){100 + (double)(n % 7), 0.5, (double)n, ((double)n - 400) / 1000};
+}
+
+/* Cases by the names of their parts, with two measures: a named point for each case. A margin far
+ * below the others lies at the picture's edge with its number. */
+static void named_cases(void) {
+  remove_tree("s");
+  CU_ASSERT_EQUAL(mkdir("s", 0777), 0);
+  write_file("s/study.csv",
+             "case,id,circuit.across_coil,release_s,peak_v,margin_least,weakest,status\n"
+             "0,a0,freewheel,0.02,13,0.9,peak,0\n1,a1,S05K130,0.003,120,-2.2,peak,3\n"
+             "2,a2,SMBJ24CA,0.006,36,0.5,peak,0\n");
+  write_file(
+      "s/manifest.json",
+      "{\"study\": \"s.yaml\", \"method\": \"list\", \"cases\": 3, \"done\": 3, \"failed\": 0, "
+      "\"axes\": [{\"key\": \"circuit.across_coil\", \"unit\": \"\"}], \"report\": [{\"name\": "
+      "\"release\", \"unit\": \"s\", \"text\": \"\"}, {\"name\": \"peak\", \"unit\": \"V\", "
+      "\"text\": \"\"}]}");
+  RUN_GOOD("plot s --quiet");
+  EXPECT(!access("s/pair_release_s.png", F_OK), "no picture of the pair");
+  EXPECT_REPORT("release over peak", ">-220<", "It goes on below the picture, to -220 %");
 }
 
 static void samples(void) {
@@ -768,6 +782,7 @@ int main(void) {
       {"a map", a_map},
       {"the same bytes", the_same_bytes},
       {"one picture", one_picture},
+      {"named cases", named_cases},
       {"samples", samples},
       {"all alike", all_alike},
       {"a yield with failures", a_yield_with_failures},

@@ -13,12 +13,6 @@ static const char BAD[] =
     "*$ part thyristor \"gives up\"\n*$ limit v_drm = none\n"
     "*$ limit v_rrm = none\n.subckt bad a k g\nR1 a k 1meg\n" GIVES_UP("a") ".ends\n";
 
-static int count(const char *text, const char *what) {
-  int n = 0;
-  for (const char *s = text; (s = strstr(s, what)); s += strlen(what)) n++;
-  return n;
-}
-
 /* The device's model has no solution: every rung is tried, the last holds. The result is, to the
  * byte, that of the settings it names, and says where it stands and why. */
 static void an_ideal_device_is_the_last(void) {
@@ -26,8 +20,8 @@ static void an_ideal_device_is_the_last(void) {
   ran r = run("run paper --set circuit.thyristor=bad.inc --set run.until=20ms "
               "--set run.ladder=ideal -o climbed");
   CU_ASSERT_EQUAL(r.status, 0);
-  CU_ASSERT_EQUAL(count(r.err, "ngspice gave up"), 5);
-  CU_ASSERT_EQUAL(count(r.err, "; trying "), 5);
+  CU_ASSERT_EQUAL(count_words(r.err, "ngspice gave up"), 5);
+  CU_ASSERT_EQUAL(count_words(r.err, "; trying "), 5);
   EXPECT(strstr(r.out, "rung   6: an ideal thyristor (latch), method gear; before, t = 0.00"), "%s",
          r.out);
   free_ran(&r);
@@ -73,7 +67,8 @@ static void the_part_that_was_chosen_counts(void) {
   free(json);
   r = run("run paper --set circuit.thyristor=bad.inc --set circuit.foo=4mA --set run.until=20ms "
           "--set run.ladder=ideal -o kept");
-  EXPECT(r.status == 1 && count(r.err, "; trying ") == 4 && !strstr(r.err, "trying an ideal") &&
+  EXPECT(r.status == 1 && count_words(r.err, "; trying ") == 4 &&
+             !strstr(r.err, "trying an ideal") &&
              strstr(r.err, "what was computed is in kept/run.partial.csv"),
          "%s", r.err);
   EXPECT_FILES("kept", "run.partial.csv ");
@@ -86,7 +81,7 @@ static void no_other_device_unasked(void) {
   static const char WHY[] = "run.ladder: ideal would put an ideal thyristor in the place";
   write_file("bad.inc", BAD);
   ran r = run("run paper --set circuit.thyristor=bad.inc --set run.until=20ms -o failed");
-  EXPECT(r.status == 1 && strstr(r.err, WHY) && count(r.err, "; trying ") == 4, "%s", r.err);
+  EXPECT(r.status == 1 && strstr(r.err, WHY) && count_words(r.err, "; trying ") == 4, "%s", r.err);
   EXPECT_FILES("failed", "run.partial.csv ");
   free_ran(&r);
   write_file("bad.yaml", "scene: paper\nset: {run.until: 20 ms}\n"
@@ -184,7 +179,7 @@ static void with_a_control(void) {
                        "control: {law: phase, sensor: p, angle: [90 deg, 175 deg]}\n"
                        "run: {until: 20 ms, tier: circuit}\n");
   ran r = run("run s.yaml -o o");
-  EXPECT(r.status == 1 && count(r.err, "; trying ") == 4, "%d %s", r.status, r.err);
+  EXPECT(r.status == 1 && count_words(r.err, "; trying ") == 4, "%d %s", r.status, r.err);
   free_ran(&r);
 }
 
@@ -269,7 +264,7 @@ static void one_may_stay(void) {
   ran r = run("run paper --set circuit.thyristor=bad.inc --set run.until=20ms "
               "--set run.ladder=stay -o stayed");
   CU_ASSERT_EQUAL(r.status, 1);
-  EXPECT(count(r.err, "\n") == 1 && strstr(r.err, "ngspice gave up") &&
+  EXPECT(count_words(r.err, "\n") == 1 && strstr(r.err, "ngspice gave up") &&
              strstr(r.err, "run.partial.csv"),
          "%s", r.err);
   EXPECT_FILES("stayed", "run.partial.csv ");
@@ -284,12 +279,13 @@ static void nothing_helps(void) {
   ran r =
       run("run paper --set circuit.deck=bad.cir --set run.until=5ms --set run.method=gear -o o");
   CU_ASSERT_EQUAL(r.status, 1);
-  CU_ASSERT_EQUAL(count(r.err, "; trying "), 3);
+  CU_ASSERT_EQUAL(count_words(r.err, "; trying "), 3);
   const char *last = strstr(r.err, "vibrospice: t = 0.00");
   EXPECT(last &&
              strstr(last, "(method gear, a quarter of the step, trtol 100; before, the scene "
                           "as it is: t = 0.00") &&
-             strstr(last, "what was computed is in o/run.partial.csv") && count(last, "\n") == 1,
+             strstr(last, "what was computed is in o/run.partial.csv") &&
+             count_words(last, "\n") == 1,
          "%s", r.err);
   EXPECT_FILES("o", "run.partial.csv ");
   free_ran(&r);
@@ -300,7 +296,7 @@ static void only_when_ngspice_gives_up(void) {
   ran r = run("run paper --tier circuit --set firing.every=1 --set firing.angle=80deg "
               "--set run.until=0.1s --quiet");
   CU_ASSERT_EQUAL(r.status, 1);
-  EXPECT(count(r.err, "\n") == 1 && strstr(r.err, "meets the pole cover"), "%s", r.err);
+  EXPECT(count_words(r.err, "\n") == 1 && strstr(r.err, "meets the pole cover"), "%s", r.err);
   free_ran(&r);
   vs_trial *t = vs_trial_read("paper", "switched", NULL);
   vs_ladder ladder = {0};

@@ -8,18 +8,13 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "engine/budget.h"
 #include "program.h"
 
 /* At this tolerance the second run is the finer one and takes more than twice as long. */
 #define SCENE                                                                                      \
   "run paper --set circuit.thyristor=TYN1212 --set run.tolerance=1e-3 --set run.until=0.4s "       \
   "--set firing.every=1 --set run.leave_circuit=never --reproducible "
-
-static double seconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* SIGINT after so long. */
 static ran stopped_after(double s) {
@@ -35,9 +30,9 @@ static ran stopped_after(double s) {
 }
 
 static void first_is_whole(void) {
-  double before = seconds();
+  double before = vs_budget_clock_s();
   ran alone = run(SCENE "--set run.verify=never -o a");
-  double took = seconds() - before;
+  double took = vs_budget_clock_s() - before;
   EXPECT(alone.status == 0 || alone.status == 3, "%d %s", alone.status, alone.err);
   ran r = stopped_after(2 * took);
   for (int k = 0; k < 4 && !strstr(r.err, "second run"); k++) { /* a busy machine: another time */

@@ -13,9 +13,10 @@
 #include "study/price_list.h"
 #include "suite.h"
 
-static const char PART[] = "*$ part thyristor \"a resistor that its gate switches\"\n"
-                           "*$ limit v_drm = %d V\n*$ limit v_rrm = %d V\n*$ limit i_t_rms = 12 A\n"
-                           ".subckt g%d a k g\nRg g k 1k\nBk a k I=v(a,k)*v(g,k)*20m\n.ends g%d\n";
+static const char PART[] =
+    "*$ part thyristor \"a resistor that its gate switches\"\n"
+    "*$ limit v_drm = %d V\n*$ limit v_rrm = %d V\n*$ limit i_t_rms = 12 A typical\n"
+    ".subckt g%d a k g\nRg g k 1k\nBk a k I=v(a,k)*v(g,k)*20m\n.ends g%d\n";
 static const char DECK[] =
     "*$ param thyristor = g600.inc part thyristor\n*$ param r1 = 100 ohm 1..1e5\n"
     "*$ port mains = Vm\n*$ port gate = Vg\n*$ probe v_ak = v(a,b) V\n"
@@ -177,6 +178,10 @@ static void equals_brute_force(void) {
   json = read_file("none/design.json");
   EXPECT(number_in(json, "lower_bound") == 9.8, "%s", json);
   free(json);
+  char *page = read_file("none/design.txt");
+  EXPECT(strstr(page, "nothing in the catalogue holds: all 10 candidates, up to 9.8, "), "%s",
+         page);
+  free(page);
   write_design("", "");
 }
 
@@ -208,6 +213,7 @@ static void files(void) {
        *bom = read_file("a/bom.csv"), *page = read_file("a/design.txt");
   static const char *const MEMBERS[] = {"\"word\": \"proved\"",
                                         "\"one_size_smaller\": [",
+                                        "\"part\": \"R1\", \"price\": ",
                                         "\"runner_up\": {",
                                         "\"proof\": [",
                                         "\"circuit.thyristor\": {\"chosen\": \"g1000.inc\"",
@@ -227,6 +233,7 @@ static void files(void) {
   EXPECT(strstr(page, "1. List: the answer holds all 6 cases, each a run in ngspice. "), "%s",
          page);
   EXPECT(strstr(page, "3. Random: nothing was drawn."), "%s", page);
+  EXPECT(strstr(page, " Typical limits, not guaranteed: thyristor.i_rms."), "%s", page);
   EXPECT(strstr(page, "+- "), "an error of a margin: %s", page);
   free(json);
   free(csv);
@@ -422,10 +429,12 @@ static void left_out(void) {
              "mA\n*$ limit p_max = 1 W\n.subckt k1 a b\nR a b 10k\n.ends k1\n");
   snprintf(text, sizeof text, "%sk1.inc,varistor,0.2,1,\n", SIZES);
   write_file("p.csv", text);
-  write_design("}\n    circuit.clamp: {kind: varistor, or: none",
-               "threats:\n  swell: {kind: swell, level: 130 %, duration: 20 ms}\n  lost: {kind: "
-               "open, element: Vc, from: start, criterion: B}\nhold: {waive: [{line: "
-               "thyristor.v_reverse, because: house rule 17}]}\nproof: {neighbours: false}\n");
+  write_design(
+      "}\n    circuit.clamp: {kind: varistor, or: none",
+      "threats:\n  swell: {kind: swell, level: 130 %, duration: 20 ms}\n  lost: {kind: "
+      "open, element: Vc, from: start, criterion: B}\n  late: {kind: open, element: Vc, at: 12 ms, "
+      "criterion: B}\nhold: {waive: [{line: "
+      "thyristor.v_reverse, because: house rule 17}]}\nproof: {neighbours: false}\n");
   ran r = run("design d.yaml -o out --overwrite");
   EXPECT(strstr(r.out, "circuit.clamp         none                    1    0        -  "), "%s",
          r.out);
@@ -481,7 +490,7 @@ static void threats_beside_operation(void) {
                "operation: {long: {run.until: 70 ms}}\nthreats:\n  late: {kind: sag, at: 60 ms, "
                "duration: 5 ms, until: 90 ms}\nproof: {verify: false, neighbours: false}\n");
   ran r = run("design d.yaml -o beside --overwrite");
-  EXPECT(strstr(r.out, "holds all 2 cases"), "%s", r.out);
+  EXPECT(strstr(r.out, "holds all 3 cases"), "%s", r.out);
   expect_end(&r, 0, "circuit.thyristor     g1200.inc ");
 }
 
@@ -494,7 +503,11 @@ static void not_judged(void) {
   EXPECT(strstr(r.out, "g1200.inc, 10 ohm, for 2.2, could not be judged: r1.power is not known, "
                        "under lost (case 0)\n"),
          "%s", r.out);
-  expect_end(&r, 1, "! 5 candidates could not be judged; no other one holds");
+  expect_end(&r, 1,
+             "!5 candidates could not be judged; no other one holds, and nothing holds below 1.7");
+  char *json = read_file("open/design.json");
+  EXPECT(number_in(json, "lower_bound") == 1.7, "%s", json);
+  free(json);
 }
 
 /* A candidate that a misfire rejects has no margin beside it: none of its lines is broken. */
@@ -510,6 +523,32 @@ static void happened(void) {
                      "pulse),,,0,"),
          "%s", csv);
   free(csv);
+}
+
+/* A relay's suppressors of two kinds. Those below the supply's 12 V conduct at rest: they are
+ * rejected, each for this. The scene has no winding: beside `cold` it has none. */
+static void kinds_compete(void) {
+  static const char DESIGN[] =
+      "scene: relay\nset: {circuit.across_coil: open, run.until: 60 ms%s}\nreport: [v_ds_max]\n"
+      "catalogue:\n  prices: k.csv\n  choose:\n    circuit.across_switch: {kind: [zener, tvs]}\n"
+      "operation: {cold: {actuator.winding.temperature: -20 degC}}\nproof: {verify: false}\n";
+  char text[1024];
+  write_file("k.csv", "part,kind,price\nSMBJ24CA,tvs,3\n1N4740,zener,1\n1N4749,zener,2\n");
+  snprintf(text, sizeof text, DESIGN, "");
+  write_file("k.yaml", text);
+  ran r = run("check k.yaml");
+  EXPECT(!r.status && strstr(r.out, "its first case (across_switch 1N4740) cannot begin: t = 0 s"),
+         "%d %s%s", r.status, r.out, r.err);
+  free_ran(&r);
+  r = run("design k.yaml -o kinds --overwrite");
+  EXPECT(strstr(r.out, "of 3 candidates") && strstr(r.out, "holds all 2 cases"), "%s", r.out);
+  expect_end(&r, 0, "1N4740 does not hold: t = 0 s: the coil carries a current");
+  snprintf(text, sizeof text, DESIGN, ", ratings: {v_ds_max: .. 13 V}");
+  write_file("k.yaml", text);
+  r = run("design k.yaml -o kinds --overwrite");
+  EXPECT(strstr(r.out, "what rejects them\n1 candidate; 1N4740 does not hold: t = 0 s: "), "%s",
+         r.out);
+  expect_end(&r, 3, "2 candidates; the nearest: ");
 }
 
 static void budget(void) {
@@ -564,14 +603,15 @@ static void refusals(void) {
       {", parts: [g700.inc]", "", "d.yaml:6:50: ", {"p.csv has no part 'g700.inc'", NULL}},
       {"", "hold: {thyristor.v_backward: 0.8}\n", "d.yaml:8:8: ", {"no line", "v_forward"}},
       {"", "hold: {waive: [r1.energy]}\n", "d.yaml:8:16: ", {"no line 'r1.energy'", NULL}},
+      {", values: [g600.inc]", "", "d.yaml:6:42: ", {"values has no effect here", "parts: [...]"}},
       {", or: nothing", "", "d.yaml:6:46: ", {"circuit.thyristor: or: none is wanted", NULL}},
       {"", "hold: {waive: [{lin: r1.power}]}\n", "d.yaml:8:17: ", {"'lin'", "line"}},
       {"", "proof: {search: 400}\n", "d.yaml:8:17: ", {"proof", NULL}},
       {"", "hold: {margin: 2}\n", "d.yaml:8:16: ", {"hold.margin", "0 to 1"}},
       {"",
-       "operation: {high: {supply.frequency: 60 Hz}}\n",
+       "operation: {high: {supply.frequncy: 60 Hz}}\n",
        "d.yaml:8:20: ",
-       {"does not say", NULL}},
+       {"frequncy", "frequency"}},
       {"",
        "operation: {high: {supply: {voltage: 484 V}}}\n",
        "d.yaml:8:20: ",
@@ -615,6 +655,9 @@ static void bad_prices(void) {
       {"part,kind,price\ng600.inc,thyristor\n", "p.csv:2:10: ", {"2 cells", "3 titles"}},
       {"part,kind,price\ng600.inc,thyristor,dear\n", "p.csv:2:20: ", {"'dear' is no number", NULL}},
       {"part,kind,price\nx.inc,thyristor,1\nR,resistor,1\n", "p.csv:3:1: ", {"p_rated_w", NULL}},
+      {"part,kind,price,p_rated_w\ng600.inc,thyristor,1,\nR,resistor,1,-2\n",
+       "p.csv:3:14: ",
+       {"p_rated_w of R: more than 0", NULL}},
       {"part,kind,price,p_rated_w\nx.inc,thyristor,1,\nR,resistor,1,2\n",
        "p.csv:2:1: ",
        {"no part 'x.inc'", NULL}},
@@ -672,6 +715,7 @@ int main(void) {
                                   {"threats beside operation", threats_beside_operation},
                                   {"not judged", not_judged},
                                   {"happened", happened},
+                                  {"kinds compete", kinds_compete},
                                   {"budget", budget},
                                   {"heat", heat},
                                   {"refusals", refusals},

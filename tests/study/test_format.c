@@ -34,13 +34,6 @@ static const char RATED[] = "set: {circuit.deck: halfwave_paper, run.until: 12 m
                             "  circuit.thyristor: [latch, TYN1212]\n"
                             "report: [thyristor.v_reverse, v_ak_min]\n";
 
-static void ends(const char *words, int status, int line) {
-  ran r = run("%s", words);
-  expect(r.status == status, line, "%s: exit status %d: %s", words, r.status, r.err);
-  free_ran(&r);
-}
-#define ENDS(words, status) ends(words, status, __LINE__)
-
 /* Runs a command of a shell; its output goes to the test's. */
 static void holds(const char *command, int line) {
   int status = system(command);
@@ -82,8 +75,8 @@ static void numpy_agrees(const char *folder, int line) {
 
 static void columns(void) {
   write_file("s.yaml", PLAIN);
-  ENDS("study s.yaml -o s --quiet", 1);
-  ENDS("study s.yaml -o n --quiet --format npy", 1);
+  EXPECT_EXIT("study s.yaml -o s --quiet", 1);
+  EXPECT_EXIT("study s.yaml -o n --quiet --format npy", 1);
   HOLDS("cmp s/study.csv n/study.csv && cmp s/failures.csv n/failures.csv && "
         "cmp s/manifest.json n/manifest.json");
   NUMPY_AGREES("n");
@@ -103,7 +96,7 @@ static void columns(void) {
 /* Words: the parts of an axis, the weakest, warnings. Numbers that are missing. */
 static void rated(void) {
   write_file("s.yaml", RATED);
-  ENDS("study s.yaml -o n --quiet --format npy", 3);
+  EXPECT_EXIT("study s.yaml -o n --quiet --format npy", 3);
   NUMPY_AGREES("n");
   char *list = read_file("n/columns/columns.json");
   EXPECT(strstr(list, "\"words\": [\"latch\", \"TYN1212\"]"), "%s", list);
@@ -116,15 +109,15 @@ static void no_rows(void) {
   write_file("s.yaml",
              "set: {run: {until: 0.1 s, tier: switched}, firing: {every: 1, angle: 80 deg}}\n"
              "vary: {supply.voltage: [520 V], load.fraction: [0]}\nreport: [p_min]\n");
-  ENDS("study s.yaml -o n --quiet --format npy", 1);
+  EXPECT_EXIT("study s.yaml -o n --quiet --format npy", 1);
   NUMPY_AGREES("n");
   remove_tree("n");
 }
 
 static void packed(void) {
   write_file("s.yaml", PLAIN);
-  ENDS("study s.yaml -o s --quiet", 1);
-  ENDS("study s.yaml -o z --quiet --format csv.zst", 1);
+  EXPECT_EXIT("study s.yaml -o s --quiet", 1);
+  EXPECT_EXIT("study s.yaml -o z --quiet --format csv.zst", 1);
   EXPECT_FILES("z", "failures.csv journal manifest.json study.csv.zst ");
   if (on_path("zstd")) HOLDS("zstd -qdc z/study.csv.zst | cmp - s/study.csv");
   struct stat plain, small;
@@ -180,7 +173,7 @@ static void refuses(const char *bytes, size_t size, const char *says, int line) 
 static void damaged(void) {
   char good[8192];
   write_file("s.yaml", PLAIN);
-  ENDS("study s.yaml -o z --quiet --format csv.zst", 1);
+  EXPECT_EXIT("study s.yaml -o z --quiet --format csv.zst", 1);
   FILE *f = fopen("z/study.csv.zst", "r");
   const size_t n = fread(good, 1, sizeof good, f);
   EXPECT(n > 100 && n < sizeof good, "%zu bytes", n);
@@ -206,10 +199,10 @@ static void damaged(void) {
 static void same_bytes(void) {
   if (is_for_memory_alone()) return;
   write_file("s.yaml", PLAIN);
-  ENDS("study s.yaml -o a --quiet --jobs 1 --format csv.zst", 1);
-  ENDS("study s.yaml -o an --quiet --jobs 1 --format npy", 1);
-  ENDS("study s.yaml -o b --quiet --jobs 2 --format csv.zst", 1);
-  ENDS("study s.yaml -o bn --quiet --jobs 2 --format npy", 1);
+  EXPECT_EXIT("study s.yaml -o a --quiet --jobs 1 --format csv.zst", 1);
+  EXPECT_EXIT("study s.yaml -o an --quiet --jobs 1 --format npy", 1);
+  EXPECT_EXIT("study s.yaml -o b --quiet --jobs 2 --format csv.zst", 1);
+  EXPECT_EXIT("study s.yaml -o bn --quiet --jobs 2 --format npy", 1);
   SAME("a", "b");
   for (int k = 1; k <= 3; k++) { /* a shard's own format is no matter */
     static const char *const FORMATS[] = {"csv", "csv.zst", "npy"};
@@ -218,17 +211,17 @@ static void same_bytes(void) {
     free_ran(&r);
   }
   NUMPY_AGREES("parts/3");
-  ENDS("merge parts -o m --quiet --format csv.zst", 1);
-  ENDS("merge parts -o mn --quiet --format npy", 1);
+  EXPECT_EXIT("merge parts -o m --quiet --format csv.zst", 1);
+  EXPECT_EXIT("merge parts -o mn --quiet --format npy", 1);
   SAME("a", "m");
   EXPECT_FILES("m", "failures.csv manifest.json study.csv.zst ");
   /* the same study again in other formats: each time only the last one's files are left */
-  ENDS("study s.yaml -o b --resume --quiet --format npy", 1);
+  EXPECT_EXIT("study s.yaml -o b --resume --quiet --format npy", 1);
   EXPECT_FILES("b", "columns failures.csv journal manifest.json study.csv ");
   HOLDS("diff -r an/columns b/columns");
-  ENDS("study s.yaml -o b --resume --quiet", 1);
+  EXPECT_EXIT("study s.yaml -o b --resume --quiet", 1);
   EXPECT_FILES("b", "failures.csv journal manifest.json study.csv ");
-  ENDS("merge b --quiet --format csv.zst", 1);
+  EXPECT_EXIT("merge b --quiet --format csv.zst", 1);
   EXPECT_FILES("b", "failures.csv journal manifest.json study.csv.zst ");
   HOLDS("cmp a/study.csv.zst b/study.csv.zst");
   static const char *const MADE[] = {"a", "an", "b", "bn", "m", "mn", "parts"};
@@ -247,7 +240,7 @@ static void killed(void) {
   const char *const words[] = {"study",    "s.yaml",   "-o",  "k", "--quiet",
                                "--resume", "--format", "npy", NULL};
   write_file("s.yaml", PLAIN);
-  ENDS("study s.yaml -o n --quiet --format npy", 1);
+  EXPECT_EXIT("study s.yaml -o n --quiet --format npy", 1);
   for (int k = 1; k <= 8; k++) {
     pid_t child = spawn(words);
     nanosleep(&(struct timespec){0, k * 15000000L}, NULL);
@@ -256,7 +249,7 @@ static void killed(void) {
     EXPECT(is_whole(), "killed after %d ms", 15 * k);
     free_ran(&r);
   }
-  ENDS("study s.yaml -o k --quiet --resume --format npy", 1);
+  EXPECT_EXIT("study s.yaml -o k --quiet --resume --format npy", 1);
   HOLDS("cmp n/study.csv k/study.csv && diff -r n/columns k/columns");
   char *files = listing("k");
   EXPECT(!strstr(files, "tmp"), "%s", files);
@@ -289,19 +282,19 @@ static void in_the_way(void) {
   CU_ASSERT_EQUAL(symlink("../victim", "s/columns"), 0);
   refuse("study s.yaml -o s --format npy", "a link", "",
          (const char *const[]){"s/columns", "folder"}, __LINE__);
-  ENDS("study s.yaml -o s --quiet", 1);
+  EXPECT_EXIT("study s.yaml -o s --quiet", 1);
   refuse("merge s --format npy", "a link", "", (const char *const[]){"s/columns", "folder"},
          __LINE__);
   EXPECT_FILES("victim", "");
   unlink("s/columns");
   mkdir("s/columns", 0777), mkdir("s/columns/p_min_m.npy", 0777);
   write_file("s/columns/mine.npy", "mine");
-  ENDS("study s.yaml -o s --quiet --resume --format csv.zst", 1);
-  ENDS("study s.yaml -o s --quiet --resume --format npy", 2);
+  EXPECT_EXIT("study s.yaml -o s --quiet --resume --format csv.zst", 1);
+  EXPECT_EXIT("study s.yaml -o s --quiet --resume --format npy", 2);
   EXPECT_FILES("s/columns", "mine.npy p_min_m.npy ");
   EXPECT_FILES("s", "columns failures.csv journal manifest.json study.csv.zst ");
   rmdir("s/columns/p_min_m.npy");
-  ENDS("study s.yaml -o s --quiet --resume --format npy", 1);
+  EXPECT_EXIT("study s.yaml -o s --quiet --resume --format npy", 1);
   unlink("s/columns/mine.npy");
   NUMPY_AGREES("s");
   remove_tree("s"), remove_tree("victim");
@@ -313,24 +306,24 @@ static void older(void) {
   write_file("new.yaml", "set: {run: {until: 20 ms, tier: switched}}\n"
                          "vary: {firing.angle: [100 deg, 110 deg]}\nreport: [i_peak]\n");
   for (int k = 0; k < 3; k++) {
-    ENDS("study old.yaml -o s --quiet --format npy", 1);
+    EXPECT_EXIT("study old.yaml -o s --quiet --format npy", 1);
     write_file("s/columns/mine.npy", "mine");
     if (k == 1) unlink("s/study.csv");
     if (k == 2) unlink("s/journal");
-    ENDS("study new.yaml -o s --quiet", 2);
+    EXPECT_EXIT("study new.yaml -o s --quiet", 2);
     RUN_GOOD("study new.yaml -o s --quiet --overwrite");
     EXPECT_FILES("s", "columns failures.csv journal manifest.json study.csv ");
     EXPECT_FILES("s/columns", "mine.npy ");
     remove_tree("s");
   }
-  ENDS("study old.yaml -o s --quiet --format npy", 1);
+  EXPECT_EXIT("study old.yaml -o s --quiet --format npy", 1);
   RUN_GOOD("study new.yaml -o n --quiet");
-  ENDS("merge n -o s --quiet", 2);
+  EXPECT_EXIT("merge n -o s --quiet", 2);
   RUN_GOOD("merge n -o s --quiet --overwrite --format csv.zst");
   EXPECT_FILES("s", "failures.csv manifest.json study.csv.zst ");
   remove_tree("s"), remove_tree("n");
   /* what is left of columns alone is a result, too */
-  ENDS("study old.yaml -o s --quiet --format npy", 1);
+  EXPECT_EXIT("study old.yaml -o s --quiet --format npy", 1);
   unlink("s/study.csv"), unlink("s/failures.csv"), unlink("s/manifest.json"), unlink("s/journal");
   refuse("study new.yaml -o s --quiet", "columns alone",
          "s/columns/columns.json: ", (const char *const[]){"--overwrite", NULL}, __LINE__);

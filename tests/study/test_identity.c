@@ -277,13 +277,6 @@ static void expect_ids(const char *path, const char *ids, int line) {
 }
 #define EXPECT_IDS(path, ids) expect_ids(path, ids, __LINE__)
 
-static void exits(const char *words, int status, int line) {
-  ran r = run("%s", words);
-  expect(r.status == status, line, "%s: exit status %d: %s", words, r.status, r.err);
-  free_ran(&r);
-}
-#define EXITS(words, status) exits(words, status, __LINE__)
-
 /* Two scenes, in studies that come to them by different ways and at different places. */
 static void studies_agree(void) {
   char ab[64], ba[64];
@@ -293,7 +286,7 @@ static void studies_agree(void) {
   snprintf(ba, sizeof ba, "%s %s ", b.text, a.text);
   write_file("1.yaml", "set: {run.until: 20 ms, supply.voltage: 400 V}\n"
                        "vary: {firing.angle: [100 deg, 110 deg]}\nreport: [p_min]\n");
-  EXITS("study 1.yaml -o 1 --quiet", 0);
+  EXPECT_EXIT("study 1.yaml -o 1 --quiet", 0);
   EXPECT_IDS("1/study.csv", ba);
   write_file("own.yaml", "# mine\nfiring: {angle: 110 deg}\nrun: {until: 0.02 s, sample: 1 ms}\n");
   write_file("2.yaml", "scene: own.yaml\nset: {supply.frequency: 50 Hz}\n"
@@ -305,17 +298,17 @@ static void studies_agree(void) {
   write_file("2.yaml", "scene: own.yaml\nset: {supply.frequency: 50 Hz}\n"
                        "vary: {firing.angle: [110 deg, 100 deg], supply.voltage: [0.4 kV]}\n"
                        "report: [i_peak, p_min, ap_peak]\n");
-  EXITS("study 2.yaml -o 2 --quiet --jobs 1 --keep runs", 0);
+  EXPECT_EXIT("study 2.yaml -o 2 --quiet --jobs 1 --keep runs", 0);
   EXPECT_IDS("2/study.csv", ab);
   CU_ASSERT(!access("2/runs/1/run.csv", R_OK)); /* by its number */
   write_file("3.csv", "firing.angle_deg,supply.voltage,run.sample\n90,300 V,1 ms\n110,400 V,2 ms\n"
                       "91,300 V,1 ms\n1e2,400 V,3 ms\n");
   write_file("3.yaml", "vary: 3.csv\nset: {run.until: 20 ms}\nreport: [p_min]\n");
-  EXITS("study 3.yaml -o 3/2 --quiet --shard 2/2", 0);
+  EXPECT_EXIT("study 3.yaml -o 3/2 --quiet --shard 2/2", 0);
   EXPECT_IDS("3/2/study.csv", ab);
-  EXITS("study 3.yaml -o 3/1 --quiet --shard 1/2", 0);
-  EXITS("merge 3 -o all --quiet", 0);
-  EXITS("study 3.yaml -o one --quiet", 0);
+  EXPECT_EXIT("study 3.yaml -o 3/1 --quiet --shard 1/2", 0);
+  EXPECT_EXIT("merge 3 -o all --quiet", 0);
+  EXPECT_EXIT("study 3.yaml -o one --quiet", 0);
   char *all = read_file("all/study.csv"), *one = read_file("one/study.csv");
   CU_ASSERT(*all && !strcmp(all, one));
   free(all), free(one);
@@ -334,7 +327,7 @@ static void circuits_agree(void) {
   for (int k = 0; k < 2; k++) {
     snprintf(part, sizeof part, PART, k ? "2meg" : "1meg");
     write_file("mine.inc", part);
-    EXITS("study c.yaml -o c --quiet --overwrite", 0);
+    EXPECT_EXIT("study c.yaml -o c --quiet --overwrite", 0);
     char *got = ids_in("c/study.csv");
     snprintf(ids[k], sizeof ids[k], "%s", got);
     free(got);
@@ -357,14 +350,14 @@ static void failures_have_ids(void) {
   write_file("f.yaml", "set: {run.until: 0.1 s, firing.every: 1, supply.voltage: 520 V}\n"
                        "vary: {firing.angle: [130 deg, 80 deg], start.p: [0 mm, -7 mm]}\n"
                        "report: [p_min]\n");
-  EXITS("study f.yaml -o f --quiet", 1);
+  EXPECT_EXIT("study f.yaml -o f --quiet", 1);
   snprintf(want, sizeof want, " %s  ",
            id_of("paper", "run.until=0.1s\nfiring.every=1\nsupply.voltage=520V\nfiring.angle=80deg")
                .text);
   EXPECT_IDS("f/failures.csv", want); /* no start beyond the cover; and the pole is met */
   write_file("h.yaml", "set: {run.sample: 1 ms}\nvary: {run.until: [10 ms, 9e5 s]}\n"
                        "report: [energy_residual]\n"); /* which wants all steps */
-  EXITS("study h.yaml -o h --quiet --case-timeout 0.3s", 1);
+  EXPECT_EXIT("study h.yaml -o h --quiet --case-timeout 0.3s", 1);
   snprintf(want, sizeof want, "%s ", id_of("paper", "run.until=9e5s\nrun.sample=2ms").text);
   EXPECT_IDS("h/failures.csv", want);
 }

@@ -587,12 +587,6 @@ static char *results_of(const char *folder) {
   return all.text;
 }
 
-static void expect_exit(int status, const char *words) {
-  ran r = run("%s", words);
-  EXPECT(r.status == status, "%s: %d: %s", words, r.status, r.err);
-  free_ran(&r);
-}
-
 /* One process or two, at once or in two goes: the same bytes. The largest force is where it fires
  * earliest, at the most voltage, with the least inductance, as Eq. 91 has it. */
 static void a_search_does_not_depend_on_who_runs_it(void) {
@@ -602,19 +596,19 @@ static void a_search_does_not_depend_on_who_runs_it(void) {
              "V, to: 480 V}}\n"
              "sample: {spread: {actuator.inductance: 5 % normal}}\n"
              "find: {worst: max force_peak, n: 150, seed: 3}\nreport: [i_peak]\n");
-  expect_exit(0, "study s.yaml --quiet --jobs 1 -o one");
+  EXPECT_EXIT("study s.yaml --quiet --jobs 1 -o one", 0);
   ran two_workers = run("study s.yaml --jobs 2 -o two");
   EXPECT(strstr(two_workers.out, "\nfound  the worst found in ") &&
              strstr(two_workers.out, " cases is force_peak ") &&
              strstr(two_workers.out, " restarts ") && strstr(two_workers.out, "this is no bound\n"),
          "%s", two_workers.out);
   free_ran(&two_workers);
-  expect_exit(0, "study s.yaml --quiet --jobs 1 -o broken");
+  EXPECT_EXIT("study s.yaml --quiet --jobs 1 -o broken", 0);
   CU_ASSERT_EQUAL(remove("broken/manifest.json"), 0);
   char *journal = read_file("broken/journal");
   write_file("broken/journal", (journal[strlen(journal) * 2 / 3] = '\0', journal));
   free(journal);
-  expect_exit(0, "study s.yaml --quiet --resume --jobs 2 -o broken");
+  EXPECT_EXIT("study s.yaml --quiet --resume --jobs 2 -o broken", 0);
   char *one = results_of("one"), *two = results_of("two"), *broken = results_of("broken");
   CU_ASSERT_STRING_EQUAL(one, two);
   CU_ASSERT_STRING_EQUAL(one, broken);
@@ -639,8 +633,8 @@ static void n_from_the_command_line(void) {
   write_file("s.yaml", "set: {run.until: 20 ms, run.tier: switched}\n"
                        "sample: {n: 32, seed: 3, spread: {actuator.inductance: 5 % normal}}\n"
                        "report: [i_peak]\n");
-  expect_exit(0, "study s.yaml --quiet -o all");
-  expect_exit(0, "study s.yaml --quiet --set sample.n=8 -o some");
+  EXPECT_EXIT("study s.yaml --quiet -o all", 0);
+  EXPECT_EXIT("study s.yaml --quiet --set sample.n=8 -o some", 0);
   char *all = read_file("all/study.csv"), *some = read_file("some/study.csv");
   CU_ASSERT_EQUAL(count_lines(all), 33);
   CU_ASSERT_EQUAL(count_lines(some), 9);

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/text.h"
+#include "engine/budget.h"
 #include "engine/events.h"
 #include "program.h"
 #include "study/workers/divergence.h"
@@ -23,26 +24,6 @@ static const char SURGES[] =
     "  events.surge1.angle: [10 deg, 90 deg, 101 deg, 260 deg]\n"
     "  events.surge1.polarity: ['+', '-']\n"
     "report: [p_min, i_peak, v_ak_min]\n";
-
-static void same_file(const char *a, const char *b, int line) {
-  char *x = read_file(a), *y = read_file(b);
-  size_t k = 0;
-  while (x[k] && x[k] == y[k]) k++;
-  expect(*x && x[k] == y[k], line, "%s and %s differ at byte %zu: '%.80s' and '%.80s'", a, b, k,
-         x + k, y + k);
-  free(x), free(y);
-}
-
-static void same_study(const char *a, const char *b, int line) {
-  static const char *const FILES[] = {"study.csv", "failures.csv", "manifest.json"};
-  for (size_t k = 0; k < COUNT(FILES); k++) {
-    char x[256], y[256];
-    snprintf(x, sizeof x, "%s/%s", a, FILES[k]);
-    snprintf(y, sizeof y, "%s/%s", b, FILES[k]);
-    same_file(x, y, line);
-  }
-}
-#define SAME_STUDY(a, b) same_study(a, b, __LINE__)
 
 /* Runs the study and returns how many cases had their past from another; -1: it came to no end. */
 static int shared(const char *words) {
@@ -177,12 +158,6 @@ static void not_shared(void) {
 
 /* ---- what is killed ---- */
 
-static double seconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static void wait_s(double s) {
   struct timespec t = {(time_t)s, (long)(1e9 * fmod(s, 1))};
   nanosleep(&t, NULL);
@@ -215,7 +190,7 @@ static pid_t start(const char *words) {
 
 /* Signals the process so many forks below once there is one; false: there never was. */
 static bool signal_below(pid_t master, int forks, int number) {
-  for (double end = seconds() + 20; seconds() < end; wait_s(0.002)) {
+  for (double end = vs_budget_clock_s() + 20; vs_budget_clock_s() < end; wait_s(0.002)) {
     pid_t pid = below(master, forks);
     if (pid && pid != master) return kill(pid, number) == 0;
     if (!below(master, 1)) wait_s(0.01);
@@ -252,13 +227,14 @@ static void a_copy_hangs(void) {
 static void broken_off(void) {
   write_surges();
   pid_t master = start("study s.yaml -o broken --jobs 1 --quiet"), branch = 0;
-  for (double end = seconds() + 20; !branch && seconds() < end; wait_s(0.002))
+  for (double end = vs_budget_clock_s() + 20; !branch && vs_budget_clock_s() < end; wait_s(0.002))
     branch = below(master, 3);
   kill(master, SIGKILL);
   ran r = collect(master);
   CU_ASSERT_EQUAL(r.status, 1000 + SIGKILL);
   free_ran(&r);
-  for (double end = seconds() + 5; !kill(branch, 0) && seconds() < end;) wait_s(0.01);
+  for (double end = vs_budget_clock_s() + 5; !kill(branch, 0) && vs_budget_clock_s() < end;)
+    wait_s(0.01);
   EXPECT(branch && kill(branch, 0), "the branch %d outlives its study", (int)branch);
   EXPECT_SHARED("s.yaml -o broken --resume --jobs 2", 8);
   SAME_STUDY("whole", "broken");

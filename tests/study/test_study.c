@@ -34,34 +34,6 @@ static const char CIRCUIT[] = "set: {circuit.deck: halfwave_paper, run.until: 12
                               "  circuit.thyristor: [latch, TYN1212]\n"
                               "report: [thyristor.v_reverse, v_ak_min]\n";
 
-static void same_file(const char *a, const char *b, int line) {
-  char *x = read_file(a), *y = read_file(b);
-  size_t k = 0;
-  while (x[k] && x[k] == y[k]) k++;
-  expect(*x && x[k] == y[k], line, "%s and %s differ at byte %zu: '%.80s' and '%.80s'", a, b, k,
-         x + k, y + k);
-  free(x), free(y);
-}
-
-static void same_study(const char *a, const char *b, int line) {
-  static const char *const FILES[] = {"study.csv", "failures.csv", "manifest.json"};
-  for (size_t k = 0; k < COUNT(FILES); k++) {
-    char x[256], y[256];
-    snprintf(x, sizeof x, "%s/%s", a, FILES[k]);
-    snprintf(y, sizeof y, "%s/%s", b, FILES[k]);
-    same_file(x, y, line);
-  }
-}
-#define SAME_STUDY(a, b) same_study(a, b, __LINE__)
-
-/* Runs it and wants that exit status. */
-static void expect_exit(const char *words, int status, int line) {
-  ran r = run("%s", words);
-  expect(r.status == status, line, "%s: exit status %d: %s", words, r.status, r.err);
-  free_ran(&r);
-}
-#define EXPECT_EXIT(words, status) expect_exit(words, status, __LINE__)
-
 /* Takes the second cell, the id, out of each row. */
 static char *without_ids(char *csv) {
   char *to = csv;
@@ -401,7 +373,7 @@ static void one_result_of_circuits(void) {
   SAME_STUDY("c1", "c2");
   RUN_GOOD("run paper --set circuit.deck=halfwave_paper --set run.until=12ms --set "
            "circuit.r1=4.7kohm --set circuit.thyristor=TYN1212 --quiet -o alone");
-  same_file("c1/runs/3/run.csv", "alone/run.csv", __LINE__);
+  same_content("c1/runs/3/run.csv", "alone/run.csv", __LINE__);
 }
 
 /* Cases that differ in nothing but what the program drives are run by one circuit, loaded once:
@@ -625,9 +597,9 @@ static void killed_at_any_instant(void) {
    * killed LeakSanitizer was once seen not to come to its end (200 instants without it: none) */
   setenv("ASAN_OPTIONS", "detect_leaks=0", 1);
   write_file("slow.yaml", SLOW);
-  double began = seconds_now();
+  double began = vs_budget_clock_s();
   EXPECT_EXIT("study slow.yaml -o whole --quiet --overwrite", 0);
-  double length = seconds_now() - began; /* another load makes it another one */
+  double length = vs_budget_clock_s() - began; /* another load makes it another one */
   srand(7);
   for (int k = 0; k < instants || (broken < instants / 3 && k < 5 * instants); k++) {
     remove_tree("killed");

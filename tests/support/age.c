@@ -10,12 +10,6 @@
 
 #include "base/hash.h"
 
-double seconds_now(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 void wait_seconds(double s) {
   struct timespec t = {(time_t)s, (long)(1e9 * fmod(s, 1))};
   nanosleep(&t, NULL);

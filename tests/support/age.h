@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What tests of long-lived studies share: time, processes, and what stands in a folder. */
-#ifndef VS_TESTS_AGE_H
-#define VS_TESTS_AGE_H
+#pragma once
 
+#include "engine/budget.h"
 #include "program.h"
 
-/* Of a clock that never jumps, in s. */
-double seconds_now(void);
 void wait_seconds(double s);
 
 /* Waits until the condition holds. Where it never does that ends, after a time that no busy machine
  * needs. */
 enum { WAIT_MOST_S = 60 };
 #define WAIT_UNTIL(condition)                                                                      \
-  for (double end_ = seconds_now() + WAIT_MOST_S; !(condition) && seconds_now() < end_;)           \
+  for (double end_ = vs_budget_clock_s() + WAIT_MOST_S;                                            \
+       !(condition) && vs_budget_clock_s() < end_;)                                                \
   wait_seconds(0.01)
 
 /* True if the file is there and has that text in it. */
@@ -37,5 +36,3 @@ char *rows_of(const char *folder);
 /* How many whole lines of `before` are not in `after`, in whatever order. A line that stands there
  * twice before and once after is lost once. */
 int lines_lost(const char *before, const char *after);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A bench for parts: a small deck, read by the netlist contract, solved by ngspice alone. No
  * machine, no tier: the EVA that every deck must have stands aside with nothing connected. */
-#ifndef VS_TESTS_BENCH_H
-#define VS_TESTS_BENCH_H
+#pragma once
 
 #include "netlist/deck.h"
 #include "ngspice/circuit.h"
@@ -35,5 +34,3 @@ void bench_good(bench *b, const char *what, int line);
 
 /* The value of a parameter, as the run would have it; fails the test when there is none. */
 double bench_value_of(const bench *b, const char *key);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A run beside its reference in run.tolerance's norm: the largest error over the samples of p, u,
  * w, phi, i and force, each in parts of its own peak in the run. */
-#ifndef VS_TESTS_COMPARE_H
-#define VS_TESTS_COMPARE_H
+#pragma once
 
 #include "oracle.h"
 
@@ -28,5 +27,3 @@ vs_status compare_accept(void *ctx, const vs_step *step, vs_error *err);
 /* The worst, and which it is (which may be NULL). Infinite when a row is missing or not a number.
  */
 double compare_error(const comparison *c, const char **which);
-
-#endif

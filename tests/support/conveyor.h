@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The paper's conveyor by its own names, for tests that know which machine they look at. */
-#ifndef VS_TESTS_CONVEYOR_H
-#define VS_TESTS_CONVEYOR_H
+#pragma once
 
 #include "plant/mechanics.h"
 #include "engine/channel.h"
@@ -35,5 +34,3 @@ conveyor_values conveyor_values_of(const vs_model *model);
 static inline double conveyor_gap(const vs_model *m, double p_m) {
   return vs_coil_gap(&m->coil, p_m);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The built program with one call of its own failing: a request for memory, or a system call. */
-#ifndef VS_TESTS_FAULTS_H
-#define VS_TESTS_FAULTS_H
+#pragma once
 
 #include "program.h"
 
@@ -27,5 +26,3 @@ bool fault_is_possible(const fault *f);
  * Calls are counted over the program and all processes that it starts. *calls is how many there
  * were. */
 ran fault_run(const fault *f, unsigned long n, const char *words, unsigned long *calls);
-
-#endif

@@ -2,8 +2,7 @@
  * The periodic orbit of a coupling scheme under firing in every cycle, and how fast the working
  * mode comes back to it: from the map of one mains period, at whose beginning no current flows, so
  * that the machine's state is all there is. */
-#ifndef VS_TESTS_FLOQUET_H
-#define VS_TESTS_FLOQUET_H
+#pragma once
 
 #include "schemes.h"
 
@@ -24,5 +23,3 @@ double floquet_mass(const vs_model *model);
  * found; orbit->x is then what it was. */
 bool floquet_orbit(const scheme *s, const vs_model *model, const vs_timeline *timeline, long n,
                    orbit *o);
-
-#endif

@@ -85,17 +85,6 @@ static bool import(const deck *k) {
   return good;
 }
 
-/* The value of a measure in summary.json. */
-static double measure(const char *json, const char *name, const char *end_of_name) {
-  char wanted[96];
-  double value = NAN;
-  snprintf(wanted, sizeof wanted, "\"%s%s\": {\"value\": ", name, end_of_name);
-  const char *at = strstr(json, wanted);
-  if (at) sscanf(at + strlen(wanted), "%lf", &value);
-  EXPECT(at, "there is no measure %s%s", name, end_of_name);
-  return value;
-}
-
 /* How far a probe's extremes are from its row of references.csv, of its peak; INFINITY: no row. Of
  * "^NAME" the maximum alone is compared. */
 static double error_of(const decks *d, const deck *k, const char *probe, const char *json) {
@@ -111,9 +100,9 @@ static double error_of(const decks *d, const deck *k, const char *probe, const c
          uncertain);
   double peak = fmax(fabs(min), fabs(max));
   if (!read) return INFINITY;
-  if (!strcmp(probe, "i_peak")) return fabs(measure(json, probe, "") / peak - 1);
-  double low = maximum ? 0 : fabs(measure(json, probe, "_min") - min);
-  return fmax(low, fabs(measure(json, probe, "_max") - max)) / peak;
+  if (!strcmp(probe, "i_peak")) return fabs(json_measure(json, probe, "") / peak - 1);
+  double low = maximum ? 0 : fabs(json_measure(json, probe, "_min") - min);
+  return fmax(low, fabs(json_measure(json, probe, "_max") - max)) / peak;
 }
 
 /* Runs what was imported, and gives the worst of its signals. */
@@ -214,10 +203,10 @@ static double off(const extreme *e, const char *json) {
   double peak = fmax(fabs(e->min), fabs(e->max));
   snprintf(name, sizeof name, "%.*s", (int)(strrchr(e->name, '_') - e->name), e->name);
   snprintf(low, sizeof low, "\"%s_min\": {\"value\"", name);
-  if (!strcmp(name, "i")) return fabs(measure(json, "i_peak", "") / peak - 1);
+  if (!strcmp(name, "i")) return fabs(json_measure(json, "i_peak", "") / peak - 1);
   if (!strstr(json, low)) return NAN;
-  return fmax(fabs(measure(json, name, "_min") - e->min),
-              fabs(measure(json, name, "_max") - e->max)) /
+  return fmax(fabs(json_measure(json, name, "_min") - e->min),
+              fabs(json_measure(json, name, "_max") - e->max)) /
          peak;
 }
 

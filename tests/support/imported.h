@@ -16,8 +16,7 @@
  *   references.csv  netlist,probe,min,max,error: what tools/import_references wrote; error is the
  *                   change by halving the step, relative to the peak
  */
-#ifndef VS_TESTS_IMPORTED_H
-#define VS_TESTS_IMPORTED_H
+#pragma once
 
 /* Each netlist is imported, its deck passes `check`, and runs with the gap held, which is a coil of
  * constant inductance: extremes of the probes that decks.txt names are those of plain ngspice on
@@ -31,5 +30,3 @@ void imported_held(const char *origin, int first);
  * ORIGIN's rows of tests/long/imports.csv to imports_ORIGIN.csv in the folder that VS_ROWS names.
  * Does nothing unless VS_LONG is set and ngspice is on the PATH. */
 void imported_exported(const char *origin);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Texts with one mistake, as a person, an editor or a broken disk makes it. Equal seeds make equal
  * mistakes on every machine. */
-#ifndef VS_TESTS_MUTATE_H
-#define VS_TESTS_MUTATE_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -19,5 +18,3 @@ typedef struct mutation {
  * stands behind it. Where the mistake makes no difference, another one is taken. An empty text
  * stays empty. */
 char *mutate(const char *text, size_t size, uint64_t *state, size_t *new_size, mutation *what);
-
-#endif

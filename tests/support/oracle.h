@@ -3,8 +3,7 @@
  * GSL's rk8pd in steps whose error is near rounding, thyristor and stop switched at instants found
  * to rounding. Nothing of the program is used but the numbers of its scene: mechanics, actuator and
  * circuit are written down a second time here. */
-#ifndef VS_TESTS_ORACLE_H
-#define VS_TESTS_ORACLE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -70,5 +69,3 @@ oracle_scene oracle_of(const vs_setup *setup, oracle_kind kind);
 
 /* Fills rows x ORACLE_COLUMNS; events may be NULL. false: the gap closed, or GSL gave up. */
 bool oracle_run(const oracle_scene *scene, double *table, oracle_events *events);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Parts as `check` sees them: rows of the bench, files with one text changed, warnings by line. */
-#ifndef VS_TESTS_PART_ROWS_H
-#define VS_TESTS_PART_ROWS_H
+#pragma once
 
 #include "program.h"
 
@@ -14,5 +13,3 @@ void alter(const char *from, const char *to, const char *old, const char *new);
 
 /* Standard error holds a warning at that line which says `says`. */
 void expect_warning(const ran *r, const char *file, int line, const char *says);
-
-#endif

@@ -21,6 +21,14 @@ double measure_in(const char *json, const char *name) {
   return at ? strtod(at + strlen(key), NULL) : NAN;
 }
 
+double json_measure(const char *json, const char *name, const char *end) {
+  char whole[96];
+  snprintf(whole, sizeof whole, "%s%s", name, end);
+  double value = measure_in(json, whole);
+  EXPECT(!isnan(value), "there is no measure %s", whole);
+  return value;
+}
+
 double number_in(const char *json, const char *key) {
   static const char VALUE[] = "{\"value\": ";
   char name[100], *end = NULL;
@@ -68,6 +76,44 @@ int count_lines(const char *text) {
   int lines = 0;
   for (; *text; text++) lines += *text == '\n';
   return lines;
+}
+
+int count_words(const char *text, const char *word) {
+  int n = 0;
+  for (const char *s = text; (s = strstr(s, word)); s += strlen(word)) n++;
+  return n;
+}
+
+void same_content(const char *a, const char *b, int line) {
+  char *x = read_file(a), *y = read_file(b);
+  size_t k = 0;
+  while (x[k] && x[k] == y[k]) k++;
+  expect(*x && x[k] == y[k], line, "%s and %s differ at byte %zu: '%.80s' and '%.80s'", a, b, k,
+         x + k, y + k);
+  free(x), free(y);
+}
+
+void same_study(const char *a, const char *b, int line) {
+  static const char *const FILES[] = {"study.csv", "failures.csv", "manifest.json"};
+  for (size_t k = 0; k < COUNT(FILES); k++) {
+    char x[256], y[256];
+    snprintf(x, sizeof x, "%s/%s", a, FILES[k]);
+    snprintf(y, sizeof y, "%s/%s", b, FILES[k]);
+    same_content(x, y, line);
+  }
+}
+
+void expect_exit(const char *words, int status, int line) {
+  ran r = run("%s", words);
+  expect(r.status == status, line, "%s: exit status %d: %s", words, r.status, r.err);
+  free_ran(&r);
+}
+
+double event_s(const char *events, const char *what) {
+  const char *at = strstr(events, what);
+  if (!at) return NAN;
+  while (at > events && at[-1] != '\n') at--;
+  return strtod(at, NULL);
 }
 
 enum { MOST_SECONDS = 120, MOST_SECONDS_LONG = 3600 };

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The built program seen from outside: its exit status and both its streams. */
-#ifndef VS_TESTS_PROGRAM_H
-#define VS_TESTS_PROGRAM_H
+#pragma once
 
 #include <sys/types.h>
 
@@ -26,6 +25,9 @@ void expect_good(const ran *r, const char *what, int line);
 /* A run that must go well and of which only the files matter. */
 void run_good(const char *words, int line);
 #define RUN_GOOD(words) run_good(words, __LINE__)
+/* A run that must end with that exit status. */
+void expect_exit(const char *words, int status, int line);
+#define EXPECT_EXIT(words, status) expect_exit(words, status, __LINE__)
 
 /* Runs what must be refused without a trace in the work folder: exit status 2 and one line that
  * begins with at ("" for nowhere) and says both words, or those before a NULL. */
@@ -51,6 +53,9 @@ void write_gated_deck(void);
 /* The value of a measure in summary.json's text; NaN: it has none of that name. */
 double measure_in(const char *json, const char *name);
 
+/* The same of NAME and what the name ends in, which must be there. */
+double json_measure(const char *json, const char *name, const char *end);
+
 /* The number behind "key": , or behind "key": {"value": ; NaN: there is none, or no text. */
 double number_in(const char *json, const char *key);
 
@@ -65,5 +70,11 @@ void make_shape(char *json);
 /* Whole file, with a zero byte behind it; empty when it is not there. */
 char *read_file(const char *path);
 int count_lines(const char *text);
+int count_words(const char *text, const char *word);
+/* Both files are there, and the same to the byte; so are the files of two studies. */
+void same_content(const char *a, const char *b, int line);
+void same_study(const char *a, const char *b, int line);
+#define SAME_STUDY(a, b) same_study(a, b, __LINE__)
 
-#endif
+/* When an event of that text was first, s, by the text of events.csv; NaN: there was none. */
+double event_s(const char *events, const char *what);

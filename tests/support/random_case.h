@@ -5,8 +5,7 @@
  *
  * A case appends one row to the table RANDOM_CASE_ROWS in the working folder. One that is judged
  * appends its verdict's lines to RANDOM_CASE_LINES, too. */
-#ifndef VS_TESTS_RANDOM_CASE_H
-#define VS_TESTS_RANDOM_CASE_H
+#pragma once
 
 #include <sys/types.h>
 
@@ -33,5 +32,3 @@ enum {
 pid_t random_case_begin(int number);
 /* The process of that case has ended so (wait(2)). Writes the row of one that could not. */
 void random_case_end(int number, int how);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Scenes drawn at random from all that ships: decks, parts, machines, events, controls, tiers,
  * tolerances. A scene is a function of its number alone, so each can be made again. */
-#ifndef VS_TESTS_RANDOM_SCENE_H
-#define VS_TESTS_RANDOM_SCENE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -27,5 +26,3 @@ enum { RANDOM_JUDGED = 10 };
 
 random_scene random_scene_at(int number);
 void random_scene_free(random_scene *s);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A study file as the program reads it. */
-#ifndef VS_TESTS_READ_STUDY_H
-#define VS_TESTS_READ_STUDY_H
+#pragma once
 
 #include "program.h"
 #include "study/methods.h"
@@ -19,5 +18,3 @@ study *read_study(const char *text);
 /* The same of a text in which nothing is wrong, else the test ends. */
 study *good_study(const char *text);
 void drop_study(study *s);
-
-#endif

@@ -12,8 +12,7 @@
  *   cosim_begin(&c, scheme_find("flux_seidel"), &setup->model, &setup->timeline, 50e-6);
  *   while (c.t_s < until_s && cosim_step(&c)) { look at c.x, c.flux_wb, or have c.show called }
  *   cosim_end(&c); */
-#ifndef VS_TESTS_SCHEMES_H
-#define VS_TESTS_SCHEMES_H
+#pragma once
 
 #include "conveyor.h"
 #include "engine/timeline.h"
@@ -104,5 +103,3 @@ void cosim_end(cosim *c);
 double cosim_flux(const cosim *c); /* lambda at t_s, Wb; of COIL_7C: 2a i/z */
 /* What the books leave over: taken - copper - work - gained in the air gap, J. */
 double cosim_left(const cosim *c);
-
-#endif

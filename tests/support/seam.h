@@ -2,8 +2,7 @@
  * The built program, stopped at each of some system calls: a filter of seccomp in the kernel asks
  * the test what is to come of the call. The filter is inherited, so that the calls of all processes
  * are seen, and those within the C library, too. */
-#ifndef VS_TESTS_SEAM_H
-#define VS_TESTS_SEAM_H
+#pragma once
 
 #include "program.h"
 
@@ -46,5 +45,3 @@ ran seam_run(const seam *s, const char *words);
 
 /* True where seam_run can be had: a container may forbid it. */
 bool seam_is_possible(void);
-
-#endif

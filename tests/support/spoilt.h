@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What test_messages gives mistakes to: shipped files and some of its own, and the commands that
  * read them. */
-#ifndef VS_TESTS_SPOILT_H
-#define VS_TESTS_SPOILT_H
+#pragma once
 
 #include <stddef.h>
 
@@ -16,5 +15,3 @@ typedef struct spoilt_bench {
 
 /* The last row has no name. */
 extern const spoilt_bench spoilt_benches[];
-
-#endif

@@ -114,3 +114,12 @@ static int remove_entry(const char *path, const struct stat *s, int kind, struct
 void remove_tree(const char *path) {
   nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
 }
+
+double run_extreme(const vs_trial *t, const char *channel, int sense) {
+  for (int k = 0; k < t->result.watchers.measures->n_extremes; k++) {
+    const vs_extreme *e = &t->result.watchers.measures->extremes[k];
+    if (e->sense == sense && !strcmp(vs_channel_at(&t->scene.frame, e->channel).name, channel))
+      return e->best.value;
+  }
+  return NAN;
+}

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What every test program here shares: a main in one line, numbers compared with a stated
  * tolerance. */
-#ifndef VS_TESTS_SUITE_H
-#define VS_TESTS_SUITE_H
+#pragma once
 
 #include <CUnit/Basic.h>
 #include <stdbool.h>
@@ -37,6 +36,10 @@ void vs_close(double got, double expected, double scale, double tolerance, const
 /* The verdict's line of that name; NULL: there is none. */
 const vs_judgement *judged_line(const vs_verdict *verdict, const char *name);
 
+/* The extreme of a run's channel, the largest where sense is 1, the least where it is -1; NaN: none
+ * was asked for. */
+double run_extreme(const vs_trial *run, const char *channel, int sense);
+
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
 /* A check that says what it saw when it fails. */
@@ -56,5 +59,3 @@ bool on_path(const char *program); /* is it in a folder of $PATH? */
 bool is_newer_ngspice(void);
 /* True where libfyaml is 0.8 or newer: it has other places for values that are empty. */
 bool is_newer_yaml(void);
-
-#endif

@@ -10,12 +10,12 @@
 #include <stdlib.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "engine/budget.h"
 #include "study/methods.h"
 #include "study/study_file.h"
-#include "study/workers/worker.h"
+#include "study/workers/case.h"
 
 static double processor_s(int who) {
   struct rusage u;
@@ -25,7 +25,7 @@ static double processor_s(int who) {
 }
 
 static int run_child(char **argv) {
-  double began_s = vs_worker_clock();
+  double began_s = vs_budget_clock_s();
   pid_t child = fork();
   int how;
   if (child == 0) {
@@ -35,7 +35,7 @@ static int run_child(char **argv) {
   waitpid(child, &how, 0);
   struct rusage u;
   getrusage(RUSAGE_CHILDREN, &u);
-  printf("%.6f %.6f %.1f\n", vs_worker_clock() - began_s, processor_s(RUSAGE_CHILDREN),
+  printf("%.6f %.6f %.1f\n", vs_budget_clock_s() - began_s, processor_s(RUSAGE_CHILDREN),
          (double)u.ru_maxrss / 1024);
   return how && WEXITSTATUS(how) != 3;
 }
@@ -51,7 +51,7 @@ int main(int argc, char **argv) {
   }
   vs_case *c = vs_case_new(plan, NULL);
   vs_text row = {0};
-  double point[VS_PLAN_AXES], began_s = vs_worker_clock(), spent_s = processor_s(RUSAGE_SELF);
+  double point[VS_PLAN_AXES], began_s = vs_budget_clock_s(), spent_s = processor_s(RUSAGE_SELF);
   for (uint64_t k = 0; k < plan->count; k++) {
     bool circuit;
     row.length = 0;
@@ -59,7 +59,8 @@ int main(int argc, char **argv) {
     if (vs_case_run(c, k, point, &row, &circuit) == VS_CASE_FAILED) puts(row.text);
   }
   spent_s = processor_s(RUSAGE_SELF) + processor_s(RUSAGE_CHILDREN) - spent_s;
-  printf("%llu %.6f %.6f\n", (unsigned long long)plan->count, vs_worker_clock() - began_s, spent_s);
+  printf("%llu %.6f %.6f\n", (unsigned long long)plan->count, vs_budget_clock_s() - began_s,
+         spent_s);
   vs_text_free(&row);
   vs_case_free(c);
   vs_plan_free(plan);

@@ -20,12 +20,12 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "conveyor.h"
-#include "run/scene.h"
+#include "engine/budget.h"
 #include "measure/energy.h"
+#include "run/scene.h"
 
 /* The peers' record: p, u, w, phi, i every 0.1 ms of 2 s. */
 enum { COLUMNS = 5, ROWS = 20001, ROWS_PER_SECOND = 10000 };
@@ -37,12 +37,6 @@ typedef struct record {
   long steps;
   unsigned parts; /* of a step that the columns need */
 } record;
-
-static double wall_clock(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static _Noreturn void give_up(const char *what) {
   fprintf(stderr, "bench_runs: %s\n", what);
@@ -81,9 +75,9 @@ static void free_scene(vs_scene *scene) {
 
 static double run_timed(const vs_scene *scene, const vs_observer *observer) {
   vs_error err = {0};
-  double began = wall_clock();
+  double began = vs_budget_clock_s();
   must(vs_sim_run(scene->tier, &scene->setup, &scene->order, observer, &err), &err);
-  return wall_clock() - began;
+  return vs_budget_clock_s() - began;
 }
 
 /* ---- observers ---- */
@@ -189,10 +183,10 @@ static void time_measures(const char *tolerance, size_t repeat) {
   for (size_t k = 0; k < repeat; k++) {
     vs_error err = {0};
     vs_value values[VS_MEASURES];
-    double began = wall_clock();
+    double began = vs_budget_clock_s();
     vs_setup_free(&scene->setup);
     must(vs_setup_build(scene->tree.root, &scene->setup, &err), &err);
-    double built = wall_clock();
+    double built = vs_budget_clock_s();
     watchers w = {.measures = vs_measures_new(&scene->frame, NULL),
                   .energy = {.frame = &scene->frame}};
     const vs_observer watching = {&w, watch};
@@ -200,7 +194,7 @@ static void time_measures(const char *tolerance, size_t repeat) {
     vs_measures_finish(w.measures, values);
     vs_energy_finish(&w.energy);
     vs_measures_free(w.measures);
-    double ended = wall_clock();
+    double ended = vs_budget_clock_s();
     all[k] = ended - began;
     alone[k] = ended - built;
   }
@@ -215,7 +209,7 @@ static void time_measures(const char *tolerance, size_t repeat) {
 
 /* Runs the program to its end; gives its wall time, s. */
 static double run_child(char *const *arguments, bool quiet, struct rusage *usage) {
-  double began = wall_clock();
+  double began = vs_budget_clock_s();
   pid_t pid = fork();
   if (pid < 0) give_up("no process for the child");
   if (pid == 0) {
@@ -226,7 +220,7 @@ static double run_child(char *const *arguments, bool quiet, struct rusage *usage
   }
   int status;
   if (wait4(pid, &status, 0, usage) != pid || status) give_up("the child failed");
-  return wall_clock() - began;
+  return vs_budget_clock_s() - began;
 }
 
 /* seconds, MB; the memory is at least this program's own, which execv's child had before */

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "base/text.h"
 #include "validate/experiment.h"
 #include "validate/orbit.h"
 

@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
-
 /* ---- numbers by name ---- */
 
 void vs_experiment_add(vs_numbers *n, double value, const char *format, ...) {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What `validate` works from. An experiment is done once and gives numbers by name, in SI units. A
  * comparison holds one of these numbers against what it should be. */
-#ifndef VS_CLI_EXPERIMENT_H
-#define VS_CLI_EXPERIMENT_H
+#pragma once
 
 #include "engine/sim.h"
 #include "run/trial.h"
@@ -98,5 +97,3 @@ void vs_experiment_curve_free(vs_experiment_curve *curve);
  * to half value counts from the zero of the line through these two points to half the peak behind
  * it. front_i, half_i: the same of a current surge, with 1.25 times the rise from 10 to 90 %. */
 void vs_experiment_curve_numbers(const vs_experiment_curve *curve, vs_numbers *out);
-
-#endif

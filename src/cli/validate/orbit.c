@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/text.h"
 #include "orbit/shooting.h"
 
 static vs_status accept_step_of_orbit(void *ctx, const vs_step *step, const vs_result *result,

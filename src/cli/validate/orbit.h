@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The periodic orbit of continuous firing on the switched tier (orbit/shooting.h), as an
  * experiment: what is measured over one of its periods. */
-#ifndef VS_CLI_ORBIT_H
-#define VS_CLI_ORBIT_H
+#pragma once
 
 #include "validate/experiment.h"
 
@@ -18,5 +17,3 @@ vs_status vs_orbit_perform(const vs_experiment *experiment, const vs_observer *a
 /* The same for a scene that was read, without multipliers. */
 vs_status vs_orbit_find(const vs_scene *scene, const vs_observer *also, vs_numbers *out,
                         vs_error *err);
-
-#endif

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/text.h"
 #include "validate/experiment.h"
 
 /* i(x) = U sqrt2/Z (sin(x - theta) - sin(alpha - theta) exp(-(x - alpha)/tan theta)), x from alpha

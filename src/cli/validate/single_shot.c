@@ -3,7 +3,6 @@
  * the machine's modes. */
 #include <stdlib.h>
 
-#include "base/text.h"
 #include "validate/experiment.h"
 
 #define REFERENCE "independent high-order solution"

@@ -5,15 +5,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/json.h"
 #include "base/shutdown.h"
 #include "base/text.h"
 #include "commands.h"
+#include "engine/budget.h"
 #include "ngspice/circuit.h"
-#include "ngspice/ngspice.h"
 #include "options.h"
 #include "run/version.h"
 
@@ -42,12 +41,6 @@ typedef struct session {
   vs_text text; /* of --json */
   vs_json json;
 } session;
-
-static double wall_clock(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* ---- choosing ---- */
 
@@ -93,7 +86,7 @@ static void hide_progress(session *s) {
 /* The planned time is scaled by what the experiments so far have taken; the present one counts with
  * the time it has taken, but at most with its plan. */
 static void show_progress(session *s) {
-  double now = wall_clock(), spent = now - s->began_s;
+  double now = vs_budget_clock_s(), spent = now - s->began_s;
   if (!s->show_progress || spent < 1 || now - s->shown_s < 0.25) return;
   double part = (s->passed_s + fmin(now - s->stage_s, s->present->wall_s)) / s->planned_s;
   s->shown_s = now;
@@ -112,7 +105,7 @@ static outcome *perform_experiment(session *s, const vs_experiment *e) {
   outcome *o = outcome_of(s, e);
   if (o->done) return o;
   const vs_observer observer = {s, watch_validation};
-  s->stage_s = wall_clock();
+  s->stage_s = vs_budget_clock_s();
   s->present = e;
   show_progress(s);
   o->status = e->perform(e, &observer, &o->numbers, &o->err);
@@ -228,14 +221,14 @@ static vs_status make_comparisons(session *s, vs_error *err) {
   if (s->options->json) print_comparisons_json(s);
   if (!s->options->json && !s->options->quiet)
     printf("%zu check%s, %zu off, in %.1f s\n", s->n_chosen, s->n_chosen > 1 ? "s" : "", s->failed,
-           wall_clock() - s->began_s);
+           vs_budget_clock_s() - s->began_s);
   return s->failed ? vs_fail(err, VS_RUN, "validate: %zu of %zu off", s->failed, s->n_chosen)
                    : VS_OK;
 }
 
 vs_status vs_validate(const vs_comparisons *const *lists, size_t n_lists,
                       const vs_validate_options *options, vs_error *err) {
-  session s = {.options = options, .began_s = wall_clock()};
+  session s = {.options = options, .began_s = vs_budget_clock_s()};
   s.show_progress = !options->quiet && isatty(STDERR_FILENO);
   vs_status status = choose_comparisons(&s, lists, n_lists, err);
   for (size_t k = 0; k < s.n_chosen && options->list; k++) puts(s.chosen[k]->name);
@@ -271,11 +264,8 @@ static vs_status validate_command(const void *given, vs_error *err) {
 }
 
 static const vs_option VALIDATE_OPTIONS[] = {
-    VS_OPTIONS_FLAG(validate_line, list, "list", "names the checks and does none"),
-    VS_OPTIONS_JSON,
-    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "says only what is off"),
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_FLAG(validate_line, list, "list", "names the checks and does none"), VS_OPTIONS_JSON,
+    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "says only what is off"), VS_OPTIONS_END};
 
 const vs_command vs_validate_cli = {
     .name = "validate",

@@ -2,8 +2,7 @@
  * The command `validate`: makes the program's comparisons with closed forms and reference
  * solutions, and of tier with tier, and tells the error of each. In what it prints a comparison is
  * called a check. */
-#ifndef VS_CLI_VALIDATE_H
-#define VS_CLI_VALIDATE_H
+#pragma once
 
 #include <signal.h>
 #include <stdbool.h>
@@ -23,5 +22,3 @@ typedef struct vs_validate_options {
  * set. For tests; the command calls it with the program's own lists. */
 vs_status vs_validate(const vs_comparisons *const *lists, size_t n_lists,
                       const vs_validate_options *options, vs_error *err);
-
-#endif

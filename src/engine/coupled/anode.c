@@ -3,12 +3,10 @@
 
 #include <math.h>
 #include <string.h>
-#include <strings.h>
 
 #include "engine/events.h"
 #include "engine/gate.h"
 #include "netlist/cards.h"
-#include "netlist/devices.h"
 #include "netlist/kinds.h"
 
 static double current_at(const vs_anode_current *m, const vs_knot *k) {

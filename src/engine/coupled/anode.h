@@ -6,8 +6,7 @@
  * two or more, it is taken for their sum, and each is followed by its own current and voltage: the
  * sum fires when the first of them does, and is extinct when the last one goes out. A triac counts
  * as two thyristors, one for each direction. */
-#ifndef VS_ENGINE_ANODE_H
-#define VS_ENGINE_ANODE_H
+#pragma once
 
 #include "coupled/swing.h"
 #include "engine/conduction.h"
@@ -85,5 +84,3 @@ void vs_anode_take(vs_anode *a);
  * while a thyristor may let go of its current, with an error of its charge of so much of swing's
  * (vs_swing_charge). INFINITY: no zero is within two steps of max_step_s, and none may let go. */
 double vs_anode_longest(vs_anode *a, const vs_swing *swing, double max_step_s);
-
-#endif

@@ -24,7 +24,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "coupled/coupled.h"
 #include "coupled/settling.h"
 #include "coupled/signal_map.h"
@@ -35,6 +34,7 @@
 #include "engine/events.h"
 #include "engine/pace.h"
 #include "engine/signals.h"
+#include "engine/tiers.h"
 #include "netlist/location.h"
 #include "netlist/netlist.h"
 #include "plant/coil.h"
@@ -73,7 +73,7 @@ static vs_status reach_fork_point(coupling *c, double t_s, vs_error *err);
 static vs_status follow_macromodel(coupling *c, double t_s, const double *signals, vs_error *err);
 static void look_into(const coupling *c, double t_s, const double *signals);
 static void take_circuit_state(coupling *c, double t_s, const double *signals);
-static vs_status check_operating_point(coupling *c, vs_error *err);
+static vs_status take_operating_point(coupling *c, vs_error *err);
 static void judge_step_length(coupling *c);
 static vs_status end_settling_cycle(coupling *c, vs_error *err);
 
@@ -103,7 +103,7 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
 
   /* Circuit -> mechanics: lambda, Wb, and its rate, V, at the step's end (signal_map.c). */
   take_circuit_state(c, t_s, signals);
-  status = check_operating_point(c, err);
+  status = take_operating_point(c, err);
   if (status) return status;
 
   /* The truncation error of the solver's rule in lambda bounds the next step's length
@@ -130,7 +130,8 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
 static bool pass_coupled_step(void *ctx, double solver_s, const double *signals) {
   coupling *c = ctx;
   const bool each = c->order->look || c->order->fork || c->settling.on ||
-                    c->solver_switch.follows || c->setup->timeline.program;
+                    c->solver_switch.follows || c->setup->timeline.program ||
+                    (c->stands && c->trajectory.blank);
   vs_knot *part = each ? NULL : vs_trajectory_part(&c->trajectory);
   if (!part) return false;
   part->t_s = run_time(c, solver_s);
@@ -190,22 +191,29 @@ static void take_circuit_state(coupling *c, double t_s, const double *signals) {
   next->flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
 }
 
-/* Error: the coil has a current at the operating point, with all switches off. The machine begins
- * without one, and neither it nor its energy could jump to it. */
-static vs_status check_operating_point(coupling *c, vs_error *err) {
+/* The first knot takes the coil's part of the operating point, which the solver does not show: the
+ * leakage current of the switches that are off flows in the coil there. A flux linkage that began
+ * at 0 would jump within picoseconds, and eddy currents follow its rate. Error: the coil has more
+ * current than that. The machine begins without one, and neither it nor its energy could jump to
+ * it. */
+static vs_status take_operating_point(coupling *c, vs_error *err) {
   static const double LITTLE = 1e-3, MUCH = 10;
-  const vs_knot *from = vs_trajectory_last(&c->trajectory),
-                *next = vs_trajectory_next(&c->trajectory);
+  const vs_knot *from = vs_trajectory_last(&c->trajectory);
   const vs_coil *coil = &c->setup->model.coil;
+  vs_knot *next = vs_trajectory_next(&c->trajectory);
   const double peak_v = c->setup->timeline.peak_v,
                most_wb = MUCH * peak_v * (next->t_s - from->t_s) +
                          LITTLE * coil->rest_h * peak_v / coil->resistance_ohm;
-  if (!c->stands || from->t_s > 0 || !(fabs(next->flux_wb - from->flux_wb) > most_wb)) return VS_OK;
+  if (!c->stands || from->t_s > 0) return VS_OK;
+  if (!(fabs(next->flux_wb - from->flux_wb) > most_wb)) {
+    vs_trajectory_stand(&c->trajectory);
+    return VS_OK;
+  }
   return vs_fail(
       err, VS_RUN,
-      "t = 0 s: the coil carries a current at the deck's operating point, with its "
-      "switches off, and a run begins without one; a part beside the switch conducts: is "
-      "it the wrong way round, or below the supply's voltage?");
+      "%s, with its switches off, and a run begins without one; a part beside the switch "
+      "conducts: is it the wrong way round, or below the supply's voltage?",
+      vs_tiers_on_at_rest);
 }
 
 /* Takes the step's curvature of v, V/s^2, less what the rule was given back of it, for the length
@@ -235,6 +243,33 @@ static vs_status end_settling_cycle(coupling *c, vs_error *err) {
 
 /* ---- before a step: how far it may go ---- */
 
+/* Events step a direct supply within this time, s: the steepest that the generators of IEC
+ * 61000-4-11 do it in, 1 us to 5 us. A step without a width charges the capacitances of what blocks
+ * by a current that only the solver's steps limit. */
+static const double SUPPLY_EDGE_S = 1e-6;
+
+static bool supply_has_edges(const coupling *c) {
+  const vs_timeline *t = &c->trajectory.setup->timeline;
+  return t->supply.direct && t->events.count;
+}
+
+/* Where the next edge of a direct supply ends, s. */
+static double supply_edge_end(const coupling *c, double now_s) {
+  const vs_timeline *t = &c->trajectory.setup->timeline;
+  const double behind_s = now_s + vs_signals_near(t, now_s) - SUPPLY_EDGE_S;
+  return supply_has_edges(c) ? vs_events_edge(&t->events, behind_s) + SUPPLY_EDGE_S : INFINITY;
+}
+
+/* A direct supply at t, V: straight from what it was one edge ago. */
+static double direct_supply(const coupling *c, const vs_signal *signal, double t_s) {
+  const vs_timeline *t = &c->trajectory.setup->timeline;
+  const double before_s = t_s - SUPPLY_EDGE_S, edge_s = vs_events_edge(&t->events, before_s),
+               v = vs_signals_voltage(t, signal, t_s);
+  if (before_s < 0 || !(edge_s < t_s)) return v;
+  const double before_v = vs_signals_voltage(t, signal, before_s);
+  return before_v + (v - before_v) * (t_s - edge_s) / SUPPLY_EDGE_S;
+}
+
 /* An edge of the mains, of a gate, or of an event ends a step. At once: the solver's rule is to
  * begin anew, as a device has switched or v alternates from step to step. */
 static double next_breakpoint(void *ctx, double solver_s) {
@@ -243,6 +278,7 @@ static double next_breakpoint(void *ctx, double solver_s) {
   double now_s = run_time(c, solver_s), next_s = vs_trajectory_edge(&c->trajectory, now_s);
   if (c->solver_switch.shift_s != 0 && !c->settling.on)
     next_s = fmin(next_s, c->setup->run.until_s);
+  next_s = fmin(next_s, supply_edge_end(c, now_s));
   return vs_settling_edge(&c->settling, now_s, next_s) - c->solver_switch.shift_s;
 }
 
@@ -288,6 +324,8 @@ static double deck_source(coupling *c, size_t port, double t_s) {
   double push_v =
       p->signal.drive == VS_PORT_MAINS ? vs_settling_extra_voltage(&c->settling, t_s) : 0;
   if (t_s == 0 && c->stands && vs_port_is_modulated(&p->signal)) return 0;
+  if (p->signal.drive == VS_PORT_MAINS && supply_has_edges(c))
+    return direct_supply(c, &p->signal, t_s);
   return push_v +
          vs_signals_voltage_cached(&c->port[port], &c->trajectory.setup->timeline, &p->signal, t_s);
 }

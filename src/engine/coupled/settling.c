@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
-
 static vs_orbit_search *orbit_search_of(const vs_settling *p) {
   return p->order->pilot;
 }

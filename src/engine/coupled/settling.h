@@ -3,8 +3,7 @@
  * with firing periods that only the pilot sees. In each of them the run's time goes from 0 to the
  * period, while the solver's own time goes on. The setup is the run's own with its events silent.
  */
-#ifndef VS_ENGINE_SETTLING_H
-#define VS_ENGINE_SETTLING_H
+#pragma once
 
 #include "coupled/trajectory.h"
 
@@ -52,5 +51,3 @@ vs_status vs_settling_follow(vs_settling *settling, vs_trajectory *trajectory, d
 
 /* The run has ended. An error in the settling gets words that say so. */
 vs_status vs_settling_end(vs_settling *settling, vs_status status, vs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The signals and the ports of a circuit: by which names its solver knows them, in which order it
  * shows and asks for them, and what they mean in a knot. */
-#ifndef VS_ENGINE_SIGNAL_MAP_H
-#define VS_ENGINE_SIGNAL_MAP_H
+#pragma once
 
 #include "engine/step.h"
 #include "macromodel/circuit_states.h"
@@ -53,5 +52,3 @@ void vs_signal_map_take_coil(const double *signals, vs_knot *knot);
 /* Gives the values that the circuit remembers, V or A. */
 void vs_signal_map_take_memory(const vs_signal_map *names, const double *signals,
                                double memory[VS_CIRCUIT_STATES_MOST]);
-
-#endif

@@ -7,8 +7,7 @@
  * clock is moved on by these cycles, and it is led: sources in the EVA pull its flux linkage and
  * voltage to where the macromodel has come. While it is led the macromodel's steps are still the
  * ones shown. */
-#ifndef VS_ENGINE_SOLVER_SWITCH_H
-#define VS_ENGINE_SOLVER_SWITCH_H
+#pragma once
 
 #include "coupled/signal_map.h"
 #include "coupled/trajectory.h"
@@ -60,5 +59,3 @@ bool vs_solver_switch_enough(const vs_solver_switch *solver_switch);
 
 /* Goes on without the solver, which is left for good, to the run's end. Errors as above. */
 vs_status vs_solver_switch_finish(vs_solver_switch *solver_switch, vs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How long a step of the circuit tier may be while the voltage across the coil swings faster than
  * the mains do; and whether that voltage alternates from step to step. */
-#ifndef VS_ENGINE_SWING_H
-#define VS_ENGINE_SWING_H
+#pragma once
 
 #include "engine/sim.h"
 
@@ -58,5 +57,3 @@ double vs_swing_charge(const vs_swing *swing, double t_s);
 /* Returns by how much, s, the instant may be off at which a thyristor lets the coil's current i_a
  * go within t_s. */
 double vs_swing_instant(const vs_swing *swing, double i_a, double t_s);
-
-#endif

@@ -16,19 +16,24 @@
  * else it is integrated by GSL's rkf45. The instant at which the armature meets or leaves its stop
  * is located. */
 
+static inline void rates_of(const vs_model *model, unsigned touched, bool jammed, double g,
+                            double flux_wb, const double *x, double *rate) {
+  const double *q = x, *v = x + model->dof;
+  double a[VS_MOST_DOF];
+  double force = vs_coil_force(&model->coil, flux_wb, vs_coil_gap(&model->coil, g));
+  if (touched) force += vs_stops_force(&model->stops, touched, g, vs_mechanics_travel(model, v));
+  vs_mechanics_accelerations(model, q, v, force, a);
+  if (jammed) vs_mechanics_hold(model, a);
+  for (int i = 0; i < model->dof; i++) {
+    rate[i] = v[i];
+    rate[model->dof + i] = a[i];
+  }
+}
+
 static int machine_rhs(double s, const double x[], double rate[], void *user) {
   const vs_motion *m = user;
-  const vs_model *model = m->model;
-  const double *q = x, *v = x + model->dof;
-  double flux = m->flux[0] + s * (m->flux[1] + s * (m->flux[2] + s * m->flux[3]));
-  double g = vs_mechanics_travel(model, q), a[VS_MOST_DOF];
-  double force = vs_coil_force(&model->coil, flux, vs_coil_gap(&model->coil, g));
-  if (m->touched)
-    force += vs_stops_force(&model->stops, m->touched, g, vs_mechanics_travel(model, v));
-  vs_mechanics_accelerations(model, q, v, force, a);
-  if (m->jammed) vs_mechanics_hold(model, a);
-  memcpy(rate, v, (size_t)model->dof * sizeof *rate);
-  memcpy(rate + model->dof, a, (size_t)model->dof * sizeof *rate);
+  const double flux = m->flux[0] + s * (m->flux[1] + s * (m->flux[2] + s * m->flux[3]));
+  rates_of(m->model, m->touched, m->jammed, vs_mechanics_travel(m->model, x), flux, x, rate);
   return GSL_SUCCESS;
 }
 
@@ -252,11 +257,9 @@ double vs_trajectory_edge(vs_trajectory *c, double t_s) {
 }
 
 void vs_trajectory_rates(const vs_trajectory *c, const double *x, double flux_wb, double *rate) {
-  vs_motion m = c->motion;
-  m.flux[0] = flux_wb;
-  m.jammed = c->jammed;
-  m.touched = vs_stops_touched(&m.model->stops, vs_mechanics_travel(m.model, x));
-  machine_rhs(0, x, rate, &m);
+  const vs_model *m = c->motion.model;
+  const double g = vs_mechanics_travel(m, x);
+  rates_of(m, vs_stops_touched(&m->stops, g), c->jammed, g, flux_wb, x, rate);
 }
 
 /* ---- shown ---- */
@@ -479,6 +482,18 @@ void vs_trajectory_begin(vs_trajectory *c, const vs_setup *setup, const vs_frame
   c->touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, c->knots[0].x));
   vs_anode_begin(&c->anode, setup);
   motion_begin(&c->motion, m);
+}
+
+void vs_trajectory_stand(vs_trajectory *c) {
+  const vs_coil *coil = &c->frame.model->coil;
+  vs_knot *k = &c->knots[c->now], *next = vs_trajectory_next(c);
+  k->flux_wb = next->flux_wb;
+  k->flux_rate_v = next->flux_rate_v;
+  k->v_eva_v = next->v_eva_v;
+  k->i_mains_a = next->i_mains_a;
+  next->flux_rate2_v_s = 0;
+  for (int n = 0; n < coil->rungs; n++) k->psi_wb[n] = coil->rung[n].share * k->flux_wb;
+  complete_knot(c, k);
 }
 
 void vs_trajectory_turn(vs_trajectory *c, double by_s, const vs_setup *setup,

@@ -2,8 +2,7 @@
  * The trajectory of a run on tier "circuit": the machine's motion beside the circuit, the contacts
  * with its stop, the thyristor's firing and extinction, and every step as the observer is shown it.
  */
-#ifndef VS_ENGINE_TRAJECTORY_H
-#define VS_ENGINE_TRAJECTORY_H
+#pragma once
 
 #include <gsl/gsl_odeiv2.h>
 
@@ -63,6 +62,9 @@ void vs_trajectory_begin(vs_trajectory *trajectory, const vs_setup *setup, const
                          const vs_observer *observer);
 void vs_trajectory_end(vs_trajectory *trajectory);
 
+/* The first knot has what vs_trajectory_next has of the coil: the circuit stood there before. */
+void vs_trajectory_stand(vs_trajectory *trajectory);
+
 /* The last knot shown. */
 static inline const vs_knot *vs_trajectory_last(const vs_trajectory *trajectory) {
   return &trajectory->knots[trajectory->now];
@@ -109,5 +111,3 @@ void vs_trajectory_turn(vs_trajectory *trajectory, double by_s, const vs_setup *
  * `what` happens at its end, besides what the thyristor does. Errors: the observer's. */
 vs_status vs_trajectory_show(vs_trajectory *trajectory, const vs_knot *to, vs_event what,
                              vs_error *err);
-
-#endif

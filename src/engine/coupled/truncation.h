@@ -12,8 +12,7 @@
  * line is fitted to the last steps, moved by what it was off at the last two, and its solution goes
  * on over the next step. Where it did not foretell the steps before, nothing is given, nor
  * while a thyristor conducts: the mains then drive the coil, and its neighbours decide. */
-#ifndef VS_ENGINE_TRUNCATION_H
-#define VS_ENGINE_TRUNCATION_H
+#pragma once
 
 #include "engine/sim.h"
 
@@ -85,5 +84,3 @@ double vs_truncation_take_step(vs_truncation *truncation, const vs_truncation_st
  * coil draws, A. */
 double vs_truncation_flux_correction(vs_truncation *truncation, const vs_truncation_try *at);
 double vs_truncation_current_correction(vs_truncation *truncation, const vs_truncation_try *at);
-
-#endif

@@ -212,10 +212,14 @@ static vs_status add_driven(vs_deck *deck, const vs_scene_event *e, size_t k, co
 }
 
 /* What follows its second node is the element's value. */
-static void doubt(vs_deck *deck, const vs_scene_event *e, const element *at) {
+static void doubt(vs_deck *deck, const vs_scene_event *e, size_t k, const element *at,
+                  const char *inner) {
+  char past[VS_DECK_NAME];
   const char *value = at->rest + strspn(at->rest, " \t");
   value += strcspn(value, " \t");
-  vs_wiring_doubt(deck, e, &(vs_wiring_element){at->name, {at->node[0], at->node[1]}, value});
+  snprintf(past, sizeof past, "vvs_s%zu", k);
+  vs_wiring_doubt(deck, e,
+                  &(vs_wiring_element){at->name, {at->node[0], at->node[1]}, value, inner, past});
 }
 
 static vs_status open_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_error *err) {
@@ -225,7 +229,7 @@ static vs_status open_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_
   if (status) return status;
   snprintf(node, sizeof node, "vs_n%zu", k);
   snprintf(line, sizeof line, "%s vs_n%zu%s", at.name, k, at.rest);
-  doubt(deck, e, &at);
+  doubt(deck, e, k, &at, node);
   if (!strcasecmp(at.name, deck->eva))
     snprintf(deck->eva_plus, sizeof deck->eva_plus, "vs_n%zu", k);
   vs_line_change(&deck->lines[at.line], vs_copy(line));
@@ -254,7 +258,7 @@ static vs_status short_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs
   char line[256], other[VS_DECK_NAME];
   vs_status status = find_element(deck, e, e->kind->element(e, deck), &at, err);
   if (status) return status;
-  doubt(deck, e, &at);
+  doubt(deck, e, k, &at, NULL);
   snprintf(other, sizeof other, "vs_m%zu", k);
   vs_wiring_line(deck, e->where, "Vvs_t%zu %s %s 0", k, other, at.node[1]);
   snprintf(line, sizeof line, "Bvs_f%zu vs_l%zu %s I = v(vs_l%zu,%s)*exp(v(vs_c%zu))", k, k, other,

@@ -3,6 +3,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -71,6 +72,7 @@ vs_status vs_wiring_loss(vs_deck *deck, const vs_scene_event *e, size_t index, c
 typedef struct reckoned {
   int name;
   char node[2][VS_DECK_NAME]; /* "v(a)" */
+  const vs_wiring_element *element;
 } reckoned;
 
 static bool is_across(const vs_term *t, const reckoned *r) {
@@ -98,11 +100,68 @@ static void add_to_list(vs_text *lines, const char *name) {
   vs_text_add(lines, "%s%s", lines->length ? ", " : "", name);
 }
 
-/* Lists the accounts that reckon so, but for those that are listed as devices already. */
-static void list_accounts(const vs_deck *deck, const vs_accounts *all, const reckoned *r,
-                          vs_text *lines) {
+/* True for v(a,b)/{r}, the current of a resistor, whose first operation is number k. */
+static bool is_current(const vs_formula *f, size_t k, const reckoned *r) {
+  return k + 2 < f->count && vs_formula_name_of(&f->ops[k + 1]) == r->name &&
+         f->ops[k + 2].kind == VS_OP_FUNCTION + VS_DIVIDE;
+}
+
+static bool is_voltage(const vs_deck *deck, const vs_op *op, const reckoned *r) {
+  return op->kind == VS_OP_TERM && is_across(&deck->terms[op->index], r);
+}
+
+static bool is_forward(const vs_deck *deck, const vs_op *op, const reckoned *r) {
+  return !strcasecmp(deck->terms[op->index].plus, r->node[0]);
+}
+
+/* Adds the current past the element to its own, wherever the formula has that. */
+static void add_past(const vs_deck *deck, vs_formula *f, const reckoned *r, int past) {
+  vs_op *ops = vs_alloc(3 * f->count, sizeof *ops);
+  size_t n = 0;
+  for (size_t k = 0; k < f->count; k++) {
+    ops[n++] = f->ops[k];
+    if (!is_voltage(deck, &f->ops[k], r)) continue;
+    const bool forward = is_forward(deck, &f->ops[k], r);
+    ops[n++] = f->ops[++k];
+    ops[n++] = f->ops[++k];
+    ops[n++] = (vs_op){VS_OP_TERM, past, 0, f->ops[k].at};
+    ops[n++] = (vs_op){VS_OP_FUNCTION + (forward ? VS_ADD : VS_SUBTRACT), 0, 0, f->ops[k].at};
+  }
+  free(f->ops);
+  f->ops = ops;
+  f->count = n;
+}
+
+/* Mends an account that reckons so, as the books would be open: one of the element alone keeps to
+ * its voltage, and one of another element's current has that through the event besides. False: what
+ * the formula means by the element's voltage is not known. */
+static bool mend(vs_deck *deck, vs_formula *f, const reckoned *r) {
+  bool own = true, known = true;
+  for (size_t k = 0; k < f->count; k++) {
+    const bool voltage = is_voltage(deck, &f->ops[k], r);
+    own = own && (voltage || f->ops[k].kind != VS_OP_TERM);
+    known = known && (!voltage || is_current(f, k, r));
+  }
+  const char *inner = r->element->inner, *minus = r->element->node[1];
+  const vs_where where = {0};
+  if (!(own || known) || f->count > VS_FORMULA_DEPTH) return false;
+  if (!inner && own) return true;
+  const int term[2] = {inner ? vs_deck_add_term(deck, where, 'v', inner, minus)
+                             : vs_deck_add_term(deck, where, 'i', r->element->past, "0"),
+                       inner ? vs_deck_add_term(deck, where, 'v', minus, inner) : 0};
+  if (term[0] < 0 || term[1] < 0) return false;
+  if (!inner) add_past(deck, f, r, term[0]);
+  for (size_t k = 0; inner && k < f->count; k++)
+    if (is_voltage(deck, &f->ops[k], r)) f->ops[k].index = term[!is_forward(deck, &f->ops[k], r)];
+  return true;
+}
+
+/* Lists the accounts that reckon so and cannot be mended, but for those that are listed as devices
+ * already. */
+static void list_accounts(vs_deck *deck, vs_accounts *all, const reckoned *r, vs_text *lines) {
   for (size_t k = 0; k < all->count; k++)
-    if (reckons(deck, &all->item[k].formula, r) && !is_doubted(deck, all->item[k].name))
+    if (reckons(deck, &all->item[k].formula, r) && !mend(deck, &all->item[k].formula, r) &&
+        !is_doubted(deck, all->item[k].name))
       add_to_list(lines, all->item[k].name);
 }
 
@@ -120,6 +179,7 @@ static void list_all(vs_deck *deck, const reckoned *r, vs_text *lines) {
 void vs_wiring_doubt(vs_deck *deck, const vs_scene_event *e, const vs_wiring_element *element) {
   reckoned r = {0};
   for (int n = 0; n < 2; n++) snprintf(r.node[n], VS_DECK_NAME, "v(%.58s)", element->node[n]);
+  r.element = element;
   for (; r.name < (int)deck->n_names; r.name++) {
     const char *name = deck->names[r.name].name;
     vs_text lines = {0};

@@ -4,8 +4,7 @@
  * and end with the event's index, so that two events never share one.
  *
  * Errors have the event's place. */
-#ifndef VS_ENGINE_WIRING_H
-#define VS_ENGINE_WIRING_H
+#pragma once
 
 #include "engine/scene_event.h"
 
@@ -31,14 +30,15 @@ vs_status vs_wiring_account(vs_deck *deck, const vs_scene_event *e, const char *
 vs_status vs_wiring_loss(vs_deck *deck, const vs_scene_event *e, size_t index, const char *between,
                          vs_error *err);
 
-/* An element of two nodes, of which `value` is what stands behind them in its line. */
+/* An element of two nodes, of which `value` is what stands behind them in its line. inner: where it
+ * is cut off, the node in the place of the first one; else NULL. past: the source of the current
+ * through the event, from the first node on. */
 typedef struct vs_wiring_element {
-  const char *name, *node[2], *value;
+  const char *name, *node[2], *value, *inner, *past;
 } vs_wiring_element;
 
 /* Warns of the lines of the contract that reckon with an element's voltage and a parameter of its
  * value, as the current v(a,b)/{r1} of R1: once the event has begun, these do not give the current
- * any more. What is held against limits of such devices is then not known. */
+ * any more. What is held against limits of such devices is then not known. Losses and stores are
+ * mended instead where it is known how, so that the books close. */
 void vs_wiring_doubt(vs_deck *deck, const vs_scene_event *e, const vs_wiring_element *element);
-
-#endif

@@ -3,8 +3,7 @@
  * "switched" have in common. While it conducts dlambda/dt = u - R_c i; while it is off lambda = 0
  * and the machine swings freely. The instants between these phases, and those at which the armature
  * meets or leaves its stop, are located to rounding. */
-#ifndef VS_ENGINE_PHASES_H
-#define VS_ENGINE_PHASES_H
+#pragma once
 
 #include "engine/sim.h"
 
@@ -17,5 +16,3 @@ extern const vs_tier_key vs_phases_keys[];
  * and of the observer; VS_RUN where no step is short enough. */
 vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const vs_frame *frame,
                         const vs_observer *observer, vs_error *err);
-
-#endif

@@ -3,8 +3,7 @@
  * method of order eight, GSL's rk8pd. A step is taken as two halves, and what lies between is the
  * polynomial of degree eleven through value and three derivatives at its three knots. It is handed
  * on as a vs_taylor, so that everything that asks a Taylor series may ask it as well. */
-#ifndef VS_ENGINE_RUNGE_KUTTA_H
-#define VS_ENGINE_RUNGE_KUTTA_H
+#pragma once
 
 #include <gsl/gsl_odeiv2.h>
 
@@ -29,5 +28,3 @@ void vs_runge_kutta_restart(vs_runge_kutta *general);
  */
 double vs_runge_kutta_make(vs_runge_kutta *general, const vs_driven *driven, const vs_knot *knot,
                            double longest_s, double rough, vs_taylor *series);
-
-#endif

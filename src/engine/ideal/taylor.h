@@ -2,8 +2,7 @@
  * Taylor series, in time, of the machine's coordinates and of the flux linkage lambda about a knot.
  * The equations are linear but for two products, lambda^2 in the force and lambda z in the current,
  * so that each term follows from those before it. */
-#ifndef VS_ENGINE_TAYLOR_H
-#define VS_ENGINE_TAYLOR_H
+#pragma once
 
 #include "engine/driven.h"
 
@@ -41,5 +40,3 @@ double vs_taylor_flux(const vs_taylor *series, double s, double *rate);
  * whatever it does on the way. */
 bool vs_taylor_flux_falls(const vs_taylor *series, double s, double nothing_wb, double *lower_s,
                           double *upper_s);
-
-#endif

@@ -5,8 +5,7 @@
  * is what leaving its solver depends on (engine/macromodel/oneport_macromodel.c). What turns over
  * at a threshold does something else once what it reads has drifted there, so that is listed, too:
  * the control of every switch, and every signal in a formula that is not linear in its signals. */
-#ifndef VS_ENGINE_CIRCUIT_STATES_H
-#define VS_ENGINE_CIRCUIT_STATES_H
+#pragma once
 
 #include "netlist/deck.h"
 
@@ -47,5 +46,3 @@ bool vs_circuit_states_list(const vs_deck *deck, vs_circuit_states *all);
  * stands at no node that a probe, a loss, a store or a device names. Nobody sees the energy it
  * holds. */
 bool vs_circuit_states_are_hidden(const vs_deck *deck);
-
-#endif

@@ -2,8 +2,7 @@
  * Linear least squares with one matrix and any number of right sides, by GSL's QR decomposition
  * with pivoting. A column that is nearly a combination of others does no harm: it gets no weight.
  */
-#ifndef VS_ENGINE_FIT_H
-#define VS_ENGINE_FIT_H
+#pragma once
 
 #include <gsl/gsl_matrix.h>
 #include <gsl/gsl_permutation.h>
@@ -34,5 +33,3 @@ bool vs_fit_decompose(vs_fit *fit);
 /* Gives the solution x, one number a column, and returns the root of the sum of squares of what is
  * left over. */
 double vs_fit_solve(vs_fit *fit, double *x);
-
-#endif

@@ -8,8 +8,7 @@
  * dies away in the circuit counts as well, as if it came up.
  *
  * Where there is no answer, the functions return false or INFINITY, and the solver is not left. */
-#ifndef VS_ENGINE_LAW_DRIFT_H
-#define VS_ENGINE_LAW_DRIFT_H
+#pragma once
 
 #include "macromodel/modal.h"
 #include "macromodel/record.h"
@@ -52,5 +51,3 @@ double vs_law_drift_electric(const vs_record *record, const vs_law_drift *drift,
 double vs_law_drift_signals(const vs_record *record, const vs_oneport *port, const vs_modal *modal,
                             const double misfit_now[VS_SIGNALS], const vs_law_drift *drift,
                             double cycles);
-
-#endif

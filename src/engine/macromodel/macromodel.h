@@ -3,8 +3,7 @@
  * say what the circuit does, far quicker than its solver. Tier "circuit" shows a macromodel all
  * that the solver shows, asks it whether the solver can be left, and lets it step on in the
  * solver's place. */
-#ifndef VS_ENGINE_MACROMODEL_H
-#define VS_ENGINE_MACROMODEL_H
+#pragma once
 
 #include "engine/setup.h"
 #include "engine/step.h"
@@ -61,5 +60,3 @@ typedef struct vs_macromodel {
 
 /* The one that the program has, in oneport_macromodel.c. */
 extern const vs_macromodel vs_oneport_macromodel;
-
-#endif

@@ -2,8 +2,7 @@
  * The machine's free modes as a basis of its states: any state is a sum of modes, and each mode
  * goes its own way. The test whether the circuit's solver may be left (oneport_macromodel.c) splits
  * errors into modes, as an error in a mode that hardly decays stays to the end of the run. */
-#ifndef VS_ENGINE_MODAL_H
-#define VS_ENGINE_MODAL_H
+#pragma once
 
 #include <gsl/gsl_matrix_complex_double.h>
 #include <gsl/gsl_permutation.h>
@@ -28,5 +27,3 @@ void vs_modal_end(vs_modal *modal);
  * the room in *modal, and overwrites it. */
 void vs_modal_shares(const vs_modal *modal, const double x[VS_MOST_STATES],
                      double share[VS_MOST_STATES]);
-
-#endif

@@ -12,8 +12,7 @@
  * The numbers are fitted by least squares to knots that the solver showed. Machine and coil then go
  * on by lambda' = v - R_c i, i = lambda z/(2a), and Eq. 54, without the solver. The other signals
  * follow from the coil and the time (signals.h). */
-#ifndef VS_ENGINE_ONEPORT_H
-#define VS_ENGINE_ONEPORT_H
+#pragma once
 
 #include "engine/setup.h"
 #include "macromodel/responses.h"
@@ -73,5 +72,3 @@ double vs_oneport_lag(const vs_oneport *o);         /* |tau|, s; 0 for the stati
 /* Of knots, without a law: the coil's current, A, and its rate, A/s. */
 double vs_oneport_knot_current(const vs_model *model, const vs_knot *knot);
 double vs_oneport_knot_current_rate(const vs_model *model, const vs_knot *knot);
-
-#endif

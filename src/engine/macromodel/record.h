@@ -6,8 +6,7 @@
  *
  * Signals are numbered as in oneport.h: the deck's terms (V or A), the mains current (A), then what
  * else the circuit remembers (V or A). */
-#ifndef VS_ENGINE_RECORD_H
-#define VS_ENGINE_RECORD_H
+#pragma once
 
 #include "macromodel/oneport.h"
 
@@ -70,5 +69,3 @@ double vs_record_share(const vs_record *r);
 /* Largest error of signal n that is allowed, V or A: vs_record_share of its peak, or, for a small
  * signal, run.tolerance of 1 V or 0.1 A, as the solver's own tolerances end there. */
 double vs_record_allowed(const vs_record *r, size_t n);
-
-#endif

@@ -6,8 +6,7 @@
  *
  * Signals are numbered: the deck's terms (V or A), then the mains current (A), then what else the
  * circuit remembers (V or A, circuit_states.h). */
-#ifndef VS_ENGINE_RESPONSES_H
-#define VS_ENGINE_RESPONSES_H
+#pragma once
 
 #include "engine/step.h"
 #include "macromodel/circuit_states.h"
@@ -75,5 +74,3 @@ double vs_responses_drift(const vs_responses *signals, size_t n);
 
 /* Signal n as the solver showed it at a knot, V or A. */
 double vs_responses_seen(const vs_frame *frame, const vs_observation *seen, size_t n);
-
-#endif

@@ -2,8 +2,7 @@
  * A trial runs the beginning of a scene with one of the solver's two rules, in a process of its own
  * and with a limit on its processor time. It tells how many steps the run took, the extremes of
  * each channel, and what oscillated from step to step. */
-#ifndef VS_IMPORT_ATTEMPT_H
-#define VS_IMPORT_ATTEMPT_H
+#pragma once
 
 #include "run/session.h"
 
@@ -51,5 +50,3 @@ typedef struct vs_attempt {
 
 /* Error, VS_RUN: no process could be started. If the trial's process dies, trial->why tells. */
 vs_status vs_attempt_run(const vs_attempt_plan *plan, vs_attempt *trial, vs_error *err);
-
-#endif

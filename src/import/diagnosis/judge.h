@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Conclusions from two trials of one scene: whether the solver's other rule is worth while, whether
  * the present rule rings, and which comparators oscillate. */
-#ifndef VS_IMPORT_JUDGE_H
-#define VS_IMPORT_JUDGE_H
+#pragma once
 
 #include "diagnosis/attempt.h"
 #include "diagnosis/note.h"
@@ -49,5 +48,3 @@ void vs_judge_method(const vs_judge_case *c, vs_notes *notes);
 void vs_judge_ringing(const vs_judge_case *c, vs_notes *notes);
 /* Adds a note for each comparator, whether it oscillates or not. */
 void vs_judge_comparators(const vs_judge_case *c, vs_notes *notes);
-
-#endif

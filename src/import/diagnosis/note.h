@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Notes on a circuit that may be slow or fail to converge: a text with its place, and numbers for
  * --json. */
-#ifndef VS_IMPORT_NOTE_H
-#define VS_IMPORT_NOTE_H
+#pragma once
 
 #include "base/error.h"
 #include "base/text.h"
@@ -38,5 +37,3 @@ void vs_note_number_add(vs_note *note, const char *name, double value);
 /* Adds each note as an object of check's JSON array, on a line of its own. `file` is used for notes
  * without a place. */
 void vs_note_rows(const vs_notes *notes, const char *file, vs_text *rows);
-
-#endif

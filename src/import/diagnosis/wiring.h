@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The elements of a deck and the nodes between them, with all subcircuits opened: the circuit as
  * the solver sees it. Each element knows the line that it comes from. */
-#ifndef VS_IMPORT_WIRING_H
-#define VS_IMPORT_WIRING_H
+#pragma once
 
 #include "netlist/cards.h"
 #include "netlist/deck.h"
@@ -45,5 +44,3 @@ bool vs_wiring_senses(const vs_wire *wire, const vs_wire *source);
 
 /* The place of the element's first character. */
 vs_where vs_wiring_where(const vs_wire *wire);
-
-#endif

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "devices/losses.h"
 #include "devices/melting.h"
 #include "devices/reductions.h"
@@ -42,6 +41,8 @@ struct vs_device_watch {
                        */
   vs_reduced **busy;  /* those of the device's measures that every step may change; owned */
   size_t n_busy;
+  vs_reduced **now; /* those of them that the present batch may change; behind them */
+  size_t n_now;
 };
 
 /* ---- beginning ---- */
@@ -113,13 +114,14 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
     if (w->at_work) own->opening = vs_alloc(1, sizeof *own->opening);
   }
   w->reduced = vs_alloc(w->count, sizeof *w->reduced);
-  own->busy = vs_alloc(w->count, sizeof *own->busy);
+  own->busy = vs_alloc(2 * w->count, sizeof *own->busy);
+  own->now = own->busy + w->count;
   for (size_t k = 0; k < w->count; k++) {
     vs_reduced *r = &w->reduced[k];
     begin_measure(w, r, &d->kind->measures[k]);
-    bool assumed = false; /* of what is cooled the mean power is asked for */
+    unsigned unsure = 0; /* of what is cooled the mean power is asked for */
     const bool warms = r->measure->how == VS_R_CASE && w->cooling &&
-                       isfinite(vs_cooling_to_ambient(w->cooling, w->deck, d, &assumed));
+                       isfinite(vs_cooling_to_ambient(w->cooling, w->deck, d, &unsure));
     if (r->by->continuous && (r->limit || warms) && !w->at_work && !w->parts.count)
       begin_parts(&w->parts, frame->timeline, means);
     if (r->by->follow && (!r->by->is_busy || r->by->is_busy(w, r))) own->busy[own->n_busy++] = r;
@@ -385,7 +387,7 @@ static void follow_step_of_device(vs_devices *d, size_t k, vs_course_step *c) {
 
   /* The means, and the measures that any step may change. */
   follow_means(d, w, c);
-  for (size_t n = 0; n < own->n_busy; n++) own->busy[n]->by->follow(w, own->busy[n], c);
+  for (size_t n = 0; n < own->n_now; n++) own->now[n]->by->follow(w, own->now[n], c);
 }
 
 /* The courses at the first step's beginning, where peaks and pulses begin. */
@@ -409,21 +411,26 @@ void vs_devices_begin(vs_devices *d, const vs_step *step) {
   }
 }
 
+/* Lists the measures that these steps may change. */
+static void find_restless(const vs_watched *w, vs_device_watch *own, const vs_courses *c) {
+  own->n_now = 0;
+  for (size_t n = 0; n < own->n_busy; n++) {
+    vs_reduced *r = own->busy[n];
+    if (!r->by->rests || !r->by->rests(w, r, c)) own->now[own->n_now++] = r;
+  }
+}
+
 /* True if all that these steps bring is a share of each integral: the device does not switch, melt
  * or tell what its loss is made of, all of the steps count in its means, and its measures rest. */
-static bool only_adds_up(const vs_devices *d, size_t k, const vs_batch *b, const vs_courses *c) {
+static bool only_adds_up(const vs_devices *d, size_t k, const vs_batch *b) {
   const vs_watched *w = &d->item[k];
-  const vs_device_watch *own = &d->watch[k];
   bool meant = b->t0_s[0] >= d->means.from_s && b->t1_s[b->count - 1] <= d->means.to_s;
   if (w->parts.count)
     meant = meant && number_of_part_at(&w->parts, b->t0_s[0]) >= 0 &&
             number_of_part_at(&w->parts, b->t0_s[0]) ==
                 number_of_part_at(&w->parts, b->t1_s[b->count - 1]) &&
             number_of_part_at(&w->parts, b->t0_s[0]) < (double)w->parts.count;
-  bool rests = meant && !w->states && !w->losses && !w->device->kind->melts;
-  for (size_t n = 0; n < own->n_busy && rests; n++)
-    rests = own->busy[n]->by->rests && own->busy[n]->by->rests(w, own->busy[n], c);
-  return rests;
+  return meant && !w->states && !w->losses && !w->device->kind->melts && !d->watch[k].n_now;
 }
 
 /* Takes such steps at once, as follow_step_of_device would one by one. Such a device counts as
@@ -469,7 +476,8 @@ static void follow_device(vs_devices *d, size_t k, const vs_batch *b) {
   vs_courses c;
   size_t last = b->count - 1;
   evaluate_course(w, &d->watch[k], b, &c);
-  if (only_adds_up(d, k, b, &c))
+  find_restless(w, &d->watch[k], &c);
+  if (only_adds_up(d, k, b))
     add_up(w, b->t0_s[0], &c);
   else
     follow_steps(d, k, b, &c);
@@ -638,10 +646,11 @@ bool vs_devices_sign_is_wrong(const vs_watched *w, double whole_j, char *text, s
              "way round; a %s has its cathode first",
              name, kind->name);
   else
-    snprintf(text, size,
-             "device %s conducts backwards, which no %s does: its part is the wrong way round (a %s "
-             "has its %s first), or its voltage and its current have the wrong sign in its line, "
-             "and so have its measures",
-             name, kind->name, kind->name, kind->pins[0].text);
+    snprintf(
+        text, size,
+        "device %s conducts backwards, which no %s does: its part is the wrong way round (a %s "
+        "has its %s first), or its voltage and its current have the wrong sign in its line, "
+        "and so have its measures",
+        name, kind->name, kind->name, kind->pins[0].text);
   return true;
 }

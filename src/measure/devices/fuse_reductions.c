@@ -9,7 +9,6 @@
 
 #include "devices/melting.h"
 #include "netlist/devices.h"
-#include "netlist/parts.h"
 
 /* ---- how often it melts, and arcs again ---- */
 
@@ -57,7 +56,7 @@ typedef struct span {
   double width_s, part_s, next_s, allowed_a;
   double sum[VS_WINDOW_PARTS]; /* a ring; sum[at] is the oldest */
   size_t at;
-  bool assumed;
+  unsigned unsure;
 } span;
 typedef struct curve {
   size_t count;
@@ -93,7 +92,7 @@ static void prepare_curve(vs_watched *w, vs_reduced *r) {
     s->width_s = k + 1 < of->count ? ends_s[0] * exp2(octaves * (double)k / (double)(of->count - 1))
                                    : ends_s[1];
     s->part_s = s->width_s / VS_WINDOW_PARTS;
-    s->allowed_a = warm * vs_devices_melts_at(w->deck, w->device, s->width_s, &s->assumed);
+    s->allowed_a = warm * vs_devices_melts_at(w->deck, w->device, s->width_s, &s->unsure);
   }
 }
 
@@ -110,7 +109,7 @@ static void take_span(vs_reduced *r, const span *s, double mean_a2, double at_s)
   if (!(part > of->nearest)) return;
   of->nearest = part;
   r->own =
-      (vs_limit){.name = "time_current", .unit = "A", .value = s->allowed_a, .assumed = s->assumed};
+      (vs_limit){.name = "time_current", .unit = "A", .value = s->allowed_a, .unsure = s->unsure};
   snprintf(r->own.text, sizeof r->own.text, "over %.4g s", s->width_s);
   snprintf(r->own.written, sizeof r->own.written, "%.4g A", s->allowed_a);
   r->value = (vs_value){true, rms_a, at_s};
@@ -223,7 +222,7 @@ static void finish_open(const vs_watched *w, vs_reduced *r, const vs_run_end *en
 
 static void prepare_arc(vs_watched *w, vs_reduced *r) {
   const vs_limit *own = vs_devices_own_limit(w->deck, w->device, "v_arc");
-  r->assumed = own && own->assumed;
+  r->unsure = own ? own->unsure : 0;
   r->idle = true; /* until it melts */
 }
 
@@ -246,7 +245,7 @@ static void prepare_clears(vs_watched *w, vs_reduced *r) {
   const vs_limit *own = vs_devices_own_limit(w->deck, w->device, "i2t_clear");
   if (own && isfinite(own->value)) {
     r->value = (vs_value){true, own->value, NAN};
-    r->assumed = own->assumed;
+    r->unsure = own->unsure;
     return;
   }
   r->idle = own || !r->limit;

@@ -49,7 +49,7 @@ static void take_network(const vs_watched *w, vs_reduced *r, double scale_w) {
     if (strcmp(deck->zth[k].where.file, file)) continue;
     n->tau_s[n->count] = deck->zth[k].tau_s;
     n->gain[n->count++] = scale_w * deck->zth[k].k_per_w;
-    r->assumed = r->assumed || deck->zth[k].assumed;
+    r->unsure |= deck->zth[k].unsure;
   }
 }
 
@@ -62,7 +62,7 @@ static void prepare_core(vs_watched *w, vs_reduced *r) {
   const char *file = w->device->part < 0 ? NULL : w->deck->parts[w->device->part].file;
   const vs_limit *esr = file ? vs_parts_find_limit(w->deck, file, "esr") : NULL;
   if (!esr || !isfinite(esr->value)) return;
-  r->assumed = esr->assumed;
+  r->unsure = esr->unsure;
   take_network(w, r, esr->value);
 }
 
@@ -293,7 +293,7 @@ static const char *long_run_w(const vs_watched *w, const vs_run_end *end, double
 static void finish_case(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   double power_w;
   const char *cold = long_run_w(w, end, &power_w);
-  const double to_ambient = vs_cooling_to_ambient(w->cooling, w->deck, w->device, &r->assumed);
+  const double to_ambient = vs_cooling_to_ambient(w->cooling, w->deck, w->device, &r->unsure);
   if (!w->cooling->stated && isnan(to_ambient)) return;
   if (cold ? w->from_work : isnan(to_ambient)) return;
   r->note = cold ? cold + strlen("not judged: ") : NULL;
@@ -311,13 +311,13 @@ static void leave_limit(vs_reduced *r, const char *why) {
  * it. */
 static void finish_mean_junction(const vs_watched *w, vs_reduced *r, double case_degc,
                                  const vs_run_end *end) {
-  bool assumed = false;
-  double power_w, r_jc = vs_devices_r_th(w->deck, w->device, "r_th_jc", &assumed);
+  unsigned unsure = 0;
+  double power_w, r_jc = vs_devices_r_th(w->deck, w->device, "r_th_jc", &unsure);
   if (long_run_w(w, end, &power_w)) {
     leave_limit(r, NO_ZTH);
     return;
   }
-  r->assumed = r->assumed || assumed;
+  r->unsure |= unsure;
   r->mean = true;
   r->value = (vs_value){true, case_degc + (isfinite(r_jc) ? r_jc * power_w : 0), NAN};
   if (r->limit && r->value.value > r->limit->value)
@@ -344,7 +344,7 @@ static void finish_hottest(const vs_watched *w, vs_reduced *r, const vs_run_end 
     leave_limit(r, warm && vs_cooling_has(w->cooling, w->deck, w->device) ? WARM : NO_SINK);
     return;
   }
-  r->assumed = of_case->assumed || rise->assumed;
+  r->unsure = of_case->unsure | rise->unsure;
   if (!rise->value.known) {
     finish_mean_junction(w, r, of_case->value.value, end);
     return;

@@ -28,8 +28,7 @@
  *
  * What a capacitance of the device stores and gives back counts where it flows. On an orbit a
  * switching that goes on across the period's end counts as two. */
-#ifndef VS_MEASURE_LOSSES_H
-#define VS_MEASURE_LOSSES_H
+#pragma once
 
 #include "measure/switching.h"
 
@@ -61,5 +60,3 @@ void vs_losses_resume(vs_losses *losses, double v_v, double i_a);
 void vs_losses_follow(vs_losses *losses, const vs_course_step *c);
 /* The energy of a step up to a part of it, 0 to 1, J. The power runs on a parabola. */
 double vs_losses_at(const vs_course_step *c, double at);
-
-#endif

@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-#include "netlist/devices.h"
-
 /* ---- means ----
  * The limit of a mean or rms value holds for ever. On an orbit so does the value. In another run
  * the value is that of operation only behind settling and behind events: it is then judged over the

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Whether a mean or rms value of a run is one of operation, over which stretch it then is, and what
  * stands in the way where it is not. */
-#ifndef VS_MEASURE_MEANS_H
-#define VS_MEASURE_MEANS_H
+#pragma once
 
 #include "measure/reducer.h"
 
@@ -17,5 +16,3 @@ const char *vs_means_of(const vs_watched *w, int of, const vs_run_end *end, doub
 /* True where the run is all that there is: the scene fires the device once, or fires once a device
  * of which no gate is known and that began to conduct once at most. It has no time to warm. */
 bool vs_means_is_over(const vs_watched *w);
-
-#endif

@@ -12,8 +12,7 @@
  *   it has cleared    behind that, |i| has stayed for 1 ms at most 1 mA plus what 100 kohm would
  *                     carry. The instant told is the beginning of that millisecond
  *   it arcs again     behind that, |i| is above that once more */
-#ifndef VS_MEASURE_MELTING_H
-#define VS_MEASURE_MELTING_H
+#pragma once
 
 #include "measure/switching.h"
 
@@ -36,5 +35,3 @@ typedef struct vs_melting_news {
 
 /* Takes the next step. */
 vs_melting_news vs_melting_follow(vs_melting *m, const vs_course_step *c);
-
-#endif

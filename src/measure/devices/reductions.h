@@ -2,8 +2,7 @@
  * All reductions: one plug for each vs_reduction that the deck's kinds name (netlist/kinds.h). A
  * new one is a constant struct in the file that fits it, a line here and a row of
  * VS_REDUCTION_LIST. */
-#ifndef VS_MEASURE_REDUCTIONS_H
-#define VS_MEASURE_REDUCTIONS_H
+#pragma once
 
 #include "measure/reducer.h"
 
@@ -29,5 +28,3 @@ extern const vs_reducer vs_surge_within, vs_surge_let_through, vs_surge_melting,
     vs_surge_pulses, vs_surge_rows, vs_surge_short;
 extern const vs_reducer vs_junction_of_power, vs_junction_of_current, vs_junction_case,
     vs_junction_hottest;
-
-#endif

@@ -3,15 +3,18 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
 static const double WINDOW_S = 1e-7;
+const double vs_slope_fall_s = 50e-6;
 
 static double window_of(const vs_slope *s) {
   return s->window_s > 0 ? s->window_s : WINDOW_S;
 }
 
 static size_t knot_at(const vs_slope *s, size_t n) {
-  return (s->first + n) % VS_SLOPE_KNOTS;
+  const size_t at = s->first + n; /* n is at most the number of knots */
+  return at < VS_SLOPE_KNOTS ? at : at - VS_SLOPE_KNOTS;
 }
 
 static void keep_knot(vs_slope *s, double t_s, double y) {
@@ -75,4 +78,22 @@ double vs_slope_rate(vs_slope *s, double t0_s, double y0, double t1_s, double y1
     s->count--;
   }
   return largest;
+}
+
+void vs_slope_keep_fall(vs_fall *f, double t_s, double i_a) {
+  if (f->count && t_s - f->at[f->count - 1].t_s < vs_slope_fall_s / 4) return;
+  if (f->count == VS_FALL_KNOTS) memmove(f->at, f->at + 1, (size_t)--f->count * sizeof *f->at);
+  f->at[f->count++] = (vs_fall_knot){t_s, i_a};
+}
+
+double vs_slope_fall(const vs_fall *f, double zero_s) {
+  const double from_s = zero_s - vs_slope_fall_s;
+  vs_fall_knot after = {zero_s, 0};
+  for (int k = f->count; k-- > 0; after = f->at[k]) {
+    const vs_fall_knot *at = &f->at[k];
+    if (at->t_s <= from_s)
+      return (at->i_a + (after.i_a - at->i_a) * (from_s - at->t_s) / (after.t_s - at->t_s)) /
+             vs_slope_fall_s;
+  }
+  return 0;
 }

@@ -93,12 +93,12 @@ typedef struct judged {
 } judged;
 
 /* Takes a value of which the part bears `allowed`, if it comes nearer to that than those before. */
-static bool take_judged(vs_reduced *r, judged *d, vs_value v, double allowed, bool assumed) {
+static bool take_judged(vs_reduced *r, judged *d, vs_value v, double allowed, unsigned unsure) {
   double part = v.value / allowed;
   if (!(part > d->part)) return false;
   d->part = part;
   d->limit.value = allowed;
-  d->limit.assumed = assumed;
+  d->limit.unsure = unsure;
   r->value = v;
   r->limit = &d->limit;
   if (part > 1 && isnan(r->failed_s)) r->failed_s = v.at_s;
@@ -164,10 +164,10 @@ static void follow_derated(const vs_watched *w, vs_reduced *r, const vs_course_s
 static bool judge_pulse(const vs_watched *w, vs_reduced *r, const pulse_of *p, double number) {
   pulses *all = r->state;
   const double width_s = p->charge_c / p->peak_a;
-  bool assumed;
-  double allowed_a = vs_devices_bears(w->deck, w->device, width_s, number, &assumed);
+  unsigned unsure;
+  double allowed_a = vs_devices_bears(w->deck, w->device, width_s, number, &unsure);
   if (isnan(allowed_a)) return p->peak_a <= vs_devices_least_pulse(w->deck, w->device);
-  if (!take_judged(r, &all->worst, (vs_value){true, p->peak_a, p->at_s}, allowed_a, assumed))
+  if (!take_judged(r, &all->worst, (vs_value){true, p->peak_a, p->at_s}, allowed_a, unsure))
     return true;
   vs_limit *limit = &all->worst.limit;
   snprintf(limit->name, sizeof limit->name, "pulse");
@@ -234,10 +234,10 @@ static double spans(const vs_watched *w, double behind_s) {
 static void judge_row(const vs_watched *w, vs_reduced *r, double i2_s, double cycles,
                       double end_s) {
   row_of *row = r->state;
-  bool assumed;
-  double allowed_a = vs_devices_bears_surge(w->deck, w->device, cycles, &assumed);
+  unsigned unsure;
+  double allowed_a = vs_devices_bears_surge(w->deck, w->device, cycles, &unsure);
   const vs_value v = {true, sqrt(i2_s / (cycles * of_cycle(w))), end_s};
-  if (!take_judged(r, &row->worst, v, allowed_a, assumed)) return;
+  if (!take_judged(r, &row->worst, v, allowed_a, unsure)) return;
   vs_limit *limit = &row->worst.limit;
   snprintf(limit->name, sizeof limit->name, "surge");
   snprintf(limit->unit, sizeof limit->unit, "A");
@@ -315,7 +315,7 @@ static void end_short(const vs_watched *w, vs_reduced *r, double end_s) {
   s->i2_s = s->peak_a = 0;
   if (!(length_s > 0) || length_s >= SURGE_S) return;
   double allowed = root->value * sqrt(length_s);
-  if (!take_judged(r, &s->worst, v, allowed, root->assumed)) return;
+  if (!take_judged(r, &s->worst, v, allowed, root->unsure)) return;
   vs_limit *limit = &s->worst.limit;
   snprintf(limit->name, sizeof limit->name, "i2sqrt_t");
   snprintf(limit->unit, sizeof limit->unit, "A2.s");

@@ -425,6 +425,9 @@ static const double DECAYS = 10, SLOW_T_Q_S = 150e-6;
 static double stores_s(const vs_switch *s) {
   return isfinite(s->t_q_s) ? s->t_q_s : SLOW_T_Q_S;
 }
+static double least_rest_s(const vs_switch *s) {
+  return isfinite(s->t_q_s) ? s->t_q_s : DECAYS * SLOW_T_Q_S;
+}
 
 static bool has_latched(const vs_switch *s) {
   bool by_pulse = s->by_gate && s->gate.gates.count;
@@ -436,38 +439,33 @@ static bool has_latched(const vs_switch *s) {
   return s->zero_s - from_s > decays_s;
 }
 
-/* Keeps the current as it was, a knot for each quarter of FALL_S. What a conduction leaves in the
- * device hangs on its current in about as long before the zero: a carrier lives for tens of
- * microseconds. */
-static const double FALL_S = 50e-6;
-static void keep_fall(vs_fall *f, double t_s, double i_a) {
-  if (f->count && t_s - f->at[f->count - 1].t_s < FALL_S / 4) return;
-  if (f->count == VS_FALL_KNOTS) memmove(f->at, f->at + 1, (size_t)--f->count * sizeof *f->at);
-  f->at[f->count++] = (vs_fall_knot){t_s, i_a};
-}
-
-/* The mean rate of the fall over FALL_S up to its zero; 0: the conduction is shorter. */
-static double rate_of_fall(const vs_fall *f, double zero_s) {
-  const double from_s = zero_s - FALL_S;
-  vs_fall_knot after = {zero_s, 0};
-  for (int k = f->count; k-- > 0; after = f->at[k]) {
-    const vs_fall_knot *at = &f->at[k];
-    if (at->t_s <= from_s)
-      return (at->i_a + (after.i_a - at->i_a) * (from_s - at->t_s) / (after.t_s - at->t_s)) /
-             FALL_S;
-  }
-  return 0;
-}
-
 /* Of a device that conducts both ways: notes its current, and since when it is below a tenth of its
  * peak. */
 static void follow_fall(vs_switch *s, const vs_course_step *c) {
-  keep_fall(&s->fall, c->t0_s, c->from[VS_OF_I]);
+  vs_slope_keep_fall(&s->fall, c->t0_s, c->from[VS_OF_I]);
   double i0 = c->from[VS_OF_I], i1 = c->to[VS_OF_I], tenth_a = s->conduction.peak_a / 10;
   if (i1 > tenth_a)
     s->tenth_s = NAN;
   else if (isnan(s->tenth_s))
     s->tenth_s = i0 > tenth_a ? c->t0_s + (i0 - tenth_a) / (i0 - i1) * c->h_s : c->t0_s;
+}
+
+/* Of a sine the two differ by 0.2 %: up to 1 % more hangs on no length that is assumed. */
+static void note_fall(vs_switch *s, double zero_s) {
+  const double of_tenth = s->conduction.peak_a / 10 / (zero_s - s->tenth_s),
+               last = vs_slope_fall(&s->fall, zero_s);
+  s->fell = (vs_value){zero_s > s->tenth_s, fmax(of_tenth, last), zero_s};
+  s->fell_last = last > 1.01 * of_tenth;
+}
+
+/* Tells the fall once voltage is back, or the device fires by itself. Where the charge has decayed
+ * before, as behind a fuse that has opened, or the gate fires it, nothing is commutated. */
+static void tell_fall(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  const bool on = s->conduction.conducts, back = fabs(c->to[VS_OF_V]) > FORWARD_V,
+             late = c->t0_s > s->zero_s + DECAYS * stores_s(s);
+  if (!s->fell.known || !(on || back || late)) return;
+  if (on ? !s->by_gate : !late) news->fall = s->fell;
+  s->fell.known = false;
 }
 
 static void follow_conduction(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
@@ -488,11 +486,7 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c, vs_switch_n
   case VS_EV_EXTINCT:
     s->zero_s = event_s;
     s->rest = c->to[VS_OF_V] < 0 && !s->both_ways ? REST_REVERSED : REST_NO_REVERSE_YET;
-    if (event_s > s->tenth_s)
-      news->fall = (vs_value){
-          true,
-          fmax(s->conduction.peak_a / 10 / (event_s - s->tenth_s), rate_of_fall(&s->fall, event_s)),
-          event_s};
+    note_fall(s, event_s);
     s->commutates = s->both_ways;
     s->returned_v = 0;
     news->extinct = (vs_value){true, 1, event_s};
@@ -608,8 +602,7 @@ static void judge_firing(vs_switch *s, vs_switch_news *news) {
   if (s->rest == REST_FORWARD_AGAIN) tell_offered(s, news);
   if (!s->by_gate) {
     news->unintended = (vs_value){true, 1, s->fired_s};
-    const double least_s = isfinite(s->t_q_s) ? s->t_q_s : DECAYS * SLOW_T_Q_S;
-    news->commutation_failure = s->rest == REST_FORWARD_AGAIN && s->offered_s < least_s;
+    news->commutation_failure = s->rest == REST_FORWARD_AGAIN && s->offered_s < least_rest_s(s);
   }
   s->rest = REST_NONE;
 }
@@ -764,6 +757,7 @@ static void follow_switch(vs_switch *s, const vs_course_step *c, vs_switch_news 
   double on_rate = vs_slope_rate(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
   vs_switching_gate_follow(&s->gate, c);
   follow_switch_current(s, c, news);
+  tell_fall(s, c, news);
   follow_gate_pulse(s, c, news);
   if (s->rise.over_v > 0) follow_rises(s, c, was_on, commutated, news);
   if (!was_on && !s->conduction.conducts) {
@@ -775,6 +769,7 @@ static void follow_switch(vs_switch *s, const vs_course_step *c, vs_switch_news 
 
 void vs_switching_finish(vs_switch *s, vs_switch_news *news) {
   *news = (vs_switch_news){.way = s->way};
+  news->fall = s->fell; /* nobody knows what comes behind it */
   climb(&s->rise, NAN);
   if (!s->rise.begun || s->conduction.conducts) return;
   s->rise.told_s = INFINITY;
@@ -797,4 +792,9 @@ void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *
               news->offered.known || news->misfire.known || news->unintended.known ||
               news->fires.known || news->extinct.known || news->fall.known ||
               news->return_rise.rate.known;
+}
+
+bool vs_switching_may_fail(const vs_switch *s, double now_s) {
+  return s->rest == REST_FORWARD_AGAIN && !s->conduction.conducts && !s->gate.on &&
+         s->offered_s < least_rest_s(s) && now_s - s->zero_s - s->offered_s < stores_s(s);
 }

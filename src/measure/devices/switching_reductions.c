@@ -6,10 +6,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/text.h"
 #include "base/units.h"
 #include "devices/losses.h"
-#include "netlist/parts.h"
 
 /* ---- news of a device that conducts or blocks ---- */
 
@@ -70,7 +68,7 @@ static void settle_at_temperature(const vs_watched *w, vs_reduced *r) {
   if (!cold || !t_j || !t_j->value.known || t_j->mean) return;
   own->limit = *r->limit;
   own->limit.value = limit_between(cold, hot_degc, r, t_j->value.value);
-  own->limit.assumed = r->limit->assumed || cold->assumed || t_j->assumed;
+  own->limit.unsure = r->limit->unsure | cold->unsure | t_j->unsure;
   snprintf(own->limit.written, sizeof own->limit.written, "%.4g %s",
            own->limit.value / vs_units_factor(own->limit.unit), own->limit.unit);
   snprintf(own->limit.text, sizeof own->limit.text, "junction at %.4g degC", t_j->value.value);
@@ -171,14 +169,29 @@ static void take_commutation_failure(const vs_watched *w, vs_reduced *r,
              1e6 * w->states->t_q_s);
 }
 
+/* A device that is lost fires within its own decay, which the run may not come to see. */
+static void finish_commutation_failure(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  if (w->states && vs_switching_may_fail(w->states, end->now_s))
+    r->unjudged = "not judged: forward voltage is back just before the run ends";
+}
+
 static void settle_rise_error(const vs_watched *w, vs_reduced *r) {
   const vs_reduced *rise = vs_reducer_of(w, VS_R_RISE);
   if (rise && rise->value.known) r->value = (vs_value){true, rise->doubt, NAN};
 }
 
 static void take_fall(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
-  (void)w;
   vs_reducer_offer(r, news->fall, false);
+  if (news->fall.known && r->value.at_s == news->fall.at_s)
+    r->unsure = w->states->fell_last ? VS_ASSUMED : 0;
+}
+
+static void finish_fall(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  (void)end;
+  vs_switch_news news;
+  if (!w->states) return;
+  vs_switching_finish(w->states, &news);
+  take_fall(w, r, &news);
 }
 
 #define HAPPENS .hangs_on_sequence = true, .state_size = sizeof(vs_happening)
@@ -204,7 +217,8 @@ const vs_reducer vs_switching_reductions_rise = {.is_rate = true,
                                                         .settle = settle_at_temperature},
                  vs_switching_reductions_fall = {.is_rate = true,
                                                  .hangs_on_sequence = true,
-                                                 .take_news = take_fall},
+                                                 .take_news = take_fall,
+                                                 .finish = finish_fall},
                  vs_switching_reductions_offered = {.hangs_on_sequence = true,
                                                     .makes_fire = true,
                                                     .state_size = sizeof(at_temperature),
@@ -217,7 +231,8 @@ const vs_reducer vs_switching_reductions_rise = {.is_rate = true,
                  vs_switching_reductions_unintended = {HAPPENS, .counts = true,
                                                        .take_news = take_unintended},
                  vs_switching_reductions_commutation_failure = {
-                     HAPPENS, .counts = true, .take_news = take_commutation_failure};
+                     HAPPENS, .counts = true, .take_news = take_commutation_failure,
+                     .finish = finish_commutation_failure};
 #undef HAPPENS
 
 /* ---- gate pulses ---- */

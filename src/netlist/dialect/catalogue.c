@@ -193,9 +193,9 @@ static void put_bytes(making *m, const char *bytes, size_t n, int column) {
   vs_text_add(&m->text, "%.*s", (int)n, bytes);
 }
 
-/* A cell without its mark `assumed`. */
+/* A cell without its mark, "?" for assumed, "~" for typical. */
 static vs_word number_of(vs_word cell) {
-  if (cell.n > 1 && cell.at[cell.n - 1] == '?') cell.n--;
+  if (cell.n > 1 && strchr("?~", cell.at[cell.n - 1])) cell.n--;
   return cell;
 }
 
@@ -226,14 +226,16 @@ static vs_status put_cell(making *m, vs_word name, size_t line, bool contract, b
     return vs_fail_at(m->err, where, "%.*s: a number is wanted, as the model is made of it",
                       (int)name.n, name.at);
   if (marks) {
-    if (number.n < cell.n) put_bytes(m, "assumed", strlen("assumed"), where.column);
+    const char *word = cell.at[number.n] == '?' ? "assumed" : "typical";
+    if (number.n < cell.n) put_bytes(m, word, strlen(word), where.column);
     return VS_OK;
   }
   if (!quoted && k > 0 && !is_number(number))
-    return vs_fail_at(m->err, where,
-                      "%.*s: a number is wanted, with a '?' behind it if it is assumed, or '-', "
-                      "not '%.*s'",
-                      (int)name.n, name.at, (int)cell.n, cell.at);
+    return vs_fail_at(
+        m->err, where,
+        "%.*s: a number is wanted, with a '?' behind it if it is assumed, a '~' if it is "
+        "typical, or '-', not '%.*s'",
+        (int)name.n, name.at, (int)cell.n, cell.at);
   put_bytes(m, number.at, number.n, where.column);
   return VS_OK;
 }
@@ -366,7 +368,8 @@ typedef struct search {
   char *path; /* of the best so far */
   bool found; /* one whose name is the same but for capitals */
   bool exact; /* the very name */
-  char **all; /* every name, for what may have been meant */
+  char **all; /* every name that begins as it does, for what may have been meant: the first letter
+                 of a part's name says what it is, as in BC337 and AC03, or 1N4007 */
   size_t count;
 } search;
 
@@ -376,8 +379,10 @@ static void look_in_table(void *ctx, const char *path) {
   const char *name = vs_catalogue_name(path, &n);
   const bool alike = strlen(s->name) == n && !strncasecmp(name, s->name, n),
              same = alike && !strncmp(name, s->name, n);
-  s->all = vs_alloc_grow(s->all, s->count, sizeof *s->all);
-  s->all[s->count++] = vs_alloc_part(name, n);
+  if (!strncasecmp(name, s->name, 1)) {
+    s->all = vs_alloc_grow(s->all, s->count, sizeof *s->all);
+    s->all[s->count++] = vs_alloc_part(name, n);
+  }
   if (strlen(path) >= VS_PATH_SIZE || !(same ? !s->exact : alike && !s->found)) return;
   snprintf(s->path, VS_PATH_SIZE, "%s", path);
   s->found = true;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Elements as LTspice and PSpice write them: with parasitic parts, with ratings, with hints for the
  * solver, with tables. */
-#ifndef VS_NETLIST_ELEMENTS_H
-#define VS_NETLIST_ELEMENTS_H
+#pragma once
 
 #include "dialect/rewriting.h"
 
@@ -12,5 +11,3 @@
  * their place: a parameter that ngspice has nothing for, with what to write; a B source without
  * V= or I=. */
 vs_status vs_elements_rewrite(vs_rewriting *r);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dialect/functions.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -90,79 +89,39 @@ static const char SMOOTH[] =
  * To add a function of another program: a row here, told by test_dialects and listed in
  * docs/from_ltspice.md. */
 static const function FUNCTIONS[] = {
-    {.name = "if",
-     .least = 3,
-     .most = 3,
+    {"if", 3, 3,
      .as = "ternary_fcn(($1)>0.5,$2,$3)", /* a condition is 0 or 1; LTspice takes any number */
-     .native = true,
-     .told = "IF(a, b, c), PSpice's and LTspice's, is read as a > 0.5 ? b : c"},
-    {.name = "stp",
-     .least = 1,
-     .most = 1,
-     .as = "ternary_fcn(($1)>0,1,0)",
-     .native = true,
+     .native = true, .told = "IF(a, b, c), PSpice's and LTspice's, is read as a > 0.5 ? b : c"},
+    {"stp", 1, 1, .as = "ternary_fcn(($1)>0,1,0)", .native = true,
      .told = "STP(x), PSpice's, is read as x > 0 ? 1 : 0"},
-    {.name = "pwrs",
-     .least = 2,
-     .most = 2,
-     /* straight up to 1e-15: ngspice ends at a slope that is infinite, as that of a power below 1
-      * is where x is 0, and Newton's iteration does not leave that place where the slope is none */
+    {"pwrs", 2, 2, /* straight up to 1e-15: ngspice ends at a slope that is infinite, as that of a
+                    * power below 1 is where x is 0, and Newton's iteration does not leave that
+                    * place where the slope is none */
      .as = "(($1)*pow(max(abs($1),1e-15),($2)-1))",
      .told = "PWRS(x, y), PSpice's and LTspice's, is read as sgn(x)*pow(abs(x), y)"},
-    {.name = "table",
-     .least = 3,
-     .most = VS_WORDS_MOST,
-     .write = write_table,
+    {"table", 3, VS_WORDS_MOST, .write = write_table,
      .told = "table(x, ...) is read as pwl(...), held at its ends"},
-    {.name = "tbl",
-     .least = 3,
-     .most = VS_WORDS_MOST,
-     .write = write_table,
+    {"tbl", 3, VS_WORDS_MOST, .write = write_table,
      .told = "tbl(x, ...) is read as pwl(...), held at its ends"},
-    {.name = "buf",
-     .least = 1,
-     .most = 1,
-     .as = "ternary_fcn(($1)>0.5,1,0)",
+    {"buf", 1, 1, .as = "ternary_fcn(($1)>0.5,1,0)",
      .told = "buf(x), LTspice's, is read as x > 0.5 ? 1 : 0"},
-    {.name = "inv",
-     .least = 1,
-     .most = 1,
-     .as = "ternary_fcn(($1)>0.5,0,1)",
+    {"inv", 1, 1, .as = "ternary_fcn(($1)>0.5,0,1)",
      .told = "inv(x), LTspice's, is read as x > 0.5 ? 0 : 1"},
-    {.name = "hypot",
-     .least = 2,
-     .most = 2,
-     .as = "sqrt(($1)*($1)+($2)*($2))",
+    {"hypot", 2, 2, .as = "sqrt(($1)*($1)+($2)*($2))",
      .told = "hypot(x, y) is read as sqrt(x*x + y*y)"},
-    {.name = "round",
-     .least = 1,
-     .most = 1,
-     .as = "floor(($1)+0.5)",
-     .told = "round(x) is read as floor(x + 0.5)"},
-    {.name = "int",
-     .least = 1,
-     .most = 1,
-     .as = "(sgn($1)*floor(abs($1)))",
+    {"round", 1, 1, .as = "floor(($1)+0.5)", .told = "round(x) is read as floor(x + 0.5)"},
+    {"int", 1, 1, .as = "(sgn($1)*floor(abs($1)))",
      .told = "int(x) is read as sgn(x)*floor(abs(x))"},
-    {.name = "log",
-     .least = 1,
-     .most = 1,
+    {"log", 1, 1,
      .as = "log10(max($1,1e-30))", /* ngspice ends at one of Newton's trials that is below 0 */
-     .isspice = true,
-     .told = "LOG(x), IsSpice's, is read as log10(x)"},
-    {.name = "arctan", .least = 1, .most = 1, .as = "atan($1)", .told = "arctan is read as atan"},
-    {.name = "arcsin", .least = 1, .most = 1, .as = "asin($1)", .told = "arcsin is read as asin"},
-    {.name = "arccos", .least = 1, .most = 1, .as = "acos($1)", .told = "arccos is read as acos"},
-    {.name = "idt",
-     .least = 1,
-     .most = 2,
-     .write = write_integral,
+     .isspice = true, .told = "LOG(x), IsSpice's, is read as log10(x)"},
+    {"arctan", 1, 1, .as = "atan($1)", .told = "arctan is read as atan"},
+    {"arcsin", 1, 1, .as = "asin($1)", .told = "arcsin is read as asin"},
+    {"arccos", 1, 1, .as = "acos($1)", .told = "arccos is read as acos"},
+    {"idt", 1, 2, .write = write_integral,
      .told = "idt(x), LTspice's integral, is read as the voltage of a capacitor of 1 F that x "
              "charges from t = 0 on"},
-    {.name = "sdt",
-     .least = 1,
-     .most = 2,
-     .write = write_integral,
+    {"sdt", 1, 2, .write = write_integral,
      .told = "sdt(x), the integral, is read as the voltage of a capacitor of 1 F that x charges "
              "from t = 0 on"},
     {.name = "dnlim", .instead = SMOOTH},

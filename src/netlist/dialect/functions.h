@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Functions and operators of PSpice's and LTspice's expressions that ngspice does not know. */
-#ifndef VS_NETLIST_FUNCTIONS_H
-#define VS_NETLIST_FUNCTIONS_H
+#pragma once
 
 #include "dialect/rewriting.h"
 
@@ -14,5 +13,3 @@ vs_status vs_functions_rewrite(vs_rewriting *r);
 /* Where a line defines a function of one of these names (.func), adds its bit to *own: it is the
  * netlist's then, and not rewritten (r->own). */
 void vs_functions_own(const char *line, unsigned long *own);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A line of a netlist that is made into one, or several, that ngspice reads as the program meant
  * for which it was written. */
-#ifndef VS_NETLIST_REWRITING_H
-#define VS_NETLIST_REWRITING_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -39,5 +38,3 @@ void vs_rewriting_tell(vs_rewriting *r, const char *what);
 vs_where vs_rewriting_place(const vs_rewriting *r, const char *at, size_t n);
 
 void vs_rewriting_free(vs_rewriting *r);
-
-#endif

@@ -8,7 +8,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "base/cursor.h"
 #include "base/text.h"
 #include "dialect/elements.h"
 #include "dialect/functions.h"

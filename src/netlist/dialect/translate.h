@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * From a line of LTspice's, PSpice's or a data sheet's to what ngspice reads as the same. */
-#ifndef VS_NETLIST_TRANSLATE_H
-#define VS_NETLIST_TRANSLATE_H
+#pragma once
 
 #include "dialect/rewriting.h"
 
@@ -20,5 +19,3 @@ void vs_translate_whole(vs_line *lines, size_t count, vs_tally *tally);
  * source of 0 V before the pin, and adds the lines of such sources to `more`. Error, with its
  * place: there is no such instance or pin. */
 vs_status vs_translate_currents(vs_line *lines, size_t count, vs_text *more, vs_error *err);
-
-#endif

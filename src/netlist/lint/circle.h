@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Things that need each other: finds a circle among them. */
-#ifndef VS_NETLIST_CIRCLE_H
-#define VS_NETLIST_CIRCLE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -29,5 +28,3 @@ size_t vs_circle_find(size_t count, vs_circle_next *next, const void *ctx, vs_ci
 typedef const char *vs_circle_verb(const void *ctx, size_t thing, vs_word *name);
 void vs_circle_tell(const vs_circle_step *path, size_t count, vs_circle_verb *verb, const void *ctx,
                     vs_text *text);
-
-#endif

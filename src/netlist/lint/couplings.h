@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Coupled inductors: lines K. ngspice takes any factors and goes on; windings whose factors cannot
  * be together give energy from nothing. */
-#ifndef VS_NETLIST_COUPLINGS_H
-#define VS_NETLIST_COUPLINGS_H
+#pragma once
 
 #include "netlist/cards.h"
 
@@ -15,5 +14,3 @@ vs_status vs_couplings_line(const vs_cards *one, vs_error *err);
  * place of the set's first factor. Sets with a factor that is a formula, or that stands between .if
  * and .endif, are left out. */
 vs_status vs_couplings_check(const vs_cards *cards, vs_error *err);
-
-#endif

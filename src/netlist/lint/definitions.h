@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Functions and parameters that need themselves, and what a line comes to once its functions are
  * written out, which ngspice does before it reads it. */
-#ifndef VS_NETLIST_DEFINITIONS_H
-#define VS_NETLIST_DEFINITIONS_H
+#pragma once
 
 #include "netlist/cards.h"
 
@@ -24,5 +23,3 @@ enum { VS_DEFINITIONS_LONGEST = 200000 };
  * times can come to more than any memory holds. Names that are defined twice in their scope are
  * passed by. */
 vs_status vs_definitions_check(const vs_cards *cards, vs_error *err);
-
-#endif

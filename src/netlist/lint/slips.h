@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Slips: mistakes in lines of a netlist that ngspice accepts silently, and that make another
  * circuit of it. */
-#ifndef VS_NETLIST_SLIPS_H
-#define VS_NETLIST_SLIPS_H
+#pragma once
 
 #include "netlist/cards.h"
 
@@ -34,5 +33,3 @@ vs_status vs_slips_gains(const vs_cards *cards, vs_names *known, vs_error *err);
 /* Errors: a line is an .else, .elseif or .endif, and no .if is open there, for which ngspice gives
  * no reason; or an .if that no .endif closes, behind which ngspice silently leaves all out. */
 vs_status vs_slips_conditions(const vs_line *lines, size_t count, vs_error *err);
-
-#endif

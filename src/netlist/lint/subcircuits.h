@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Subcircuits that have themselves within, instances with parameters that their subcircuit has not,
  * and what is defined twice. */
-#ifndef VS_NETLIST_SUBCIRCUITS_H
-#define VS_NETLIST_SUBCIRCUITS_H
+#pragma once
 
 #include "netlist/cards.h"
 
@@ -23,5 +22,3 @@ typedef void vs_subcircuits_tell(void *ctx, vs_where where, bool apart, const ch
  * silently takes the first, and for lines .ends with another name than their .subckt has. Two that
  * say the same are no slip, nor are those between .if and .endif, of which ngspice takes one. */
 void vs_subcircuits_doubles(const vs_cards *cards, vs_subcircuits_tell *tell, void *ctx);
-
-#endif

@@ -7,8 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/text.h"
-
 enum { N = VS_LINEAR_STATES };
 
 /* The modes of A in parts of each state's scale, and what B is made of. */

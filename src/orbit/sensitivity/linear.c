@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "measure/chebyshev.h"
 #include "orbit/grazing.h"
 #include "orbit/linear_signal.h"

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "full_newton.h"
 #include "orbit/picard.h"
 #include "run/session.h"
 
@@ -61,9 +62,10 @@ static double slope_of(const passes *p, int column, int row, bool output) {
 static const double FORGOTTEN = 1e-7;
 
 static void find_columns(passes *p) {
+  const vs_full_newton *newton = vs_picard_newton(p->picard);
   p->column = vs_alloc((size_t)p->states, sizeof *p->column);
   for (int k = 0; k < p->states; k++)
-    if (k < p->out->machine || vs_picard_remembers(p->picard, k, FORGOTTEN))
+    if (k < p->out->machine || (newton && vs_full_newton_kept(newton, k) > FORGOTTEN))
       p->column[p->columns++] = k;
 }
 

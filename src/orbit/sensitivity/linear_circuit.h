@@ -3,8 +3,7 @@
  * the orbit of both; then the run goes through its period once for each state, moved a little to
  * either side, and for the angle, with the same steps each time. The angle moves all firings of the
  * period. */
-#ifndef VS_ORBIT_LINEAR_CIRCUIT_H
-#define VS_ORBIT_LINEAR_CIRCUIT_H
+#pragma once
 
 #include "orbit/linear.h"
 
@@ -14,5 +13,3 @@
  */
 vs_status vs_linear_circuit_find(const vs_scene *scene, const vs_orbit *orbit, vs_linear *linear,
                                  vs_error *err);
-
-#endif

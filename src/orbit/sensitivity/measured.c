@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "alike.h"
 #include "run/listed_line.h"
 
 void vs_measured_begin(vs_measured *m, const vs_scene *scene, const vs_orbit *orbit) {
@@ -57,6 +58,7 @@ vs_status vs_measured_run(vs_measured *m, vs_scene *scene, int periods, const vs
   scene->warnings =
       (vs_warnings){0}; /* those of the scene that it was copied from are not its own */
   vs_status status = m->period ? vs_steady_begin(&m->steady, scene, periods, err) : VS_OK;
+  if (!status && m->alike) vs_alike_take(m->alike, m->steady.picard);
   if (!status) status = vs_session_charge_budget(scene, err);
   if (!status) status = vs_steady_run(&along, scene, &m->result, err);
   if (!status && m->period) vs_steady_finish(&m->steady, &m->result);

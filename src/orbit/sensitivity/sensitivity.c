@@ -139,8 +139,8 @@ static void say_bend(search *s, const vs_parameter *p, size_t of, double bend) {
  * is smooth, so that they may lie as near to it as their rounding allows. */
 static bool is_alike(const search *s) {
   const vs_scene *scene = s->subject.scene;
-  return scene->tier->has_circuit && !scene->tier->by_ngspice && !s->order->periods &&
-         !scene->setup.steady && !scene->setup.wants_fraction;
+  return scene->tier->has_circuit && !scene->tier->by_ngspice && !scene->setup.steady &&
+         !scene->setup.wants_fraction;
 }
 
 static void take_entry(search *s, const vs_stencil *fan, size_t of, size_t to, bool exact) {

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "orbit/steady.h"
 #include "poincare_map.h"
 

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "alike.h"
 #include "base/text.h"
 #include "orbit/sensitivity_problem.h"
 #include "run/session.h"
@@ -57,16 +58,16 @@ void vs_stencil_end(vs_stencil *f) {
 
 /* Each run finds its own orbit, where it begins on one or is a period of one. */
 static vs_status run_one(vs_stencil *f, const vs_sensitivity_problem *subject, int k,
-                         double tolerance, vs_circuit_steps *steps, vs_error *err) {
+                         double tolerance, vs_alike *alike, vs_error *err) {
   vs_scene *scene = f->scene[k];
   const vs_session session = {.stop = subject->stop};
   vs_measured_free(f->measured[k]);
-  *f->measured[k] = (vs_measured){0};
+  *f->measured[k] = (vs_measured){.alike = subject->periods ? alike : NULL};
   *scene = *f->parameter.scene[f->parameter.idle ? 0 : k];
   scene->setup.run.tolerance = tolerance;
-  scene->order.steps = steps;
-  if (steps) {
-    steps->are = k ? VS_STEPS_TAKEN : VS_STEPS_NOTED;
+  if (alike) {
+    scene->order.steps = &alike->steps;
+    alike->steps.are = k ? VS_STEPS_TAKEN : VS_STEPS_NOTED;
     scene->setup.run.verify = VS_VERIFY_NEVER; /* a second run has other steps */
   }
   scene->frame = vs_sim_frame(scene->tier, &scene->setup);
@@ -75,18 +76,18 @@ static vs_status run_one(vs_stencil *f, const vs_sensitivity_problem *subject, i
 
 vs_status vs_stencil_run(vs_stencil *f, const vs_sensitivity_problem *subject, double tolerance,
                          bool alike, vs_error *err) {
-  vs_circuit_steps steps = {0};
+  vs_alike own = {0};
   vs_status status = VS_OK;
   for (int k = 0; k < RUNS && !status; k++) {
     vs_error why = {0};
-    status = run_one(f, subject, k, tolerance, alike ? &steps : NULL, &why);
+    status = run_one(f, subject, k, tolerance, alike ? &own : NULL, &why);
     if (status && k)
       vs_fail(err, status, "with %s at %.9g of its value: %s", f->parameter.key.name,
               1 + f->parameter.at[k], why.text);
     else if (status)
       vs_fail(err, status, "%s", why.text);
   }
-  free(steps.step);
+  vs_alike_free(&own);
   return status;
 }
 

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "engine/driven.h"
 #include "orbit/grazing.h"
 #include "orbit/sensitivity_problem.h"

@@ -102,6 +102,7 @@ static vs_status draw_curve(const vs_study_plot *k, size_t column, vs_picture *p
   bool few = s.count <= FEW_POINTS;
   vs_study_plot_dots_sort(&s);
   vs_study_plot_dots_thin(&s, MOST_POINTS);
+  vs_study_plot_below(k, column, &s, p);
   vs_study_plot_data(&p->script, "line", &s, k->t->failed > 0 && few);
   vs_gnuplot_add(&p->script, "plot ");
   if (x && !k->s->profile[x].is_number)
@@ -129,6 +130,7 @@ typedef struct case_names {
   size_t x, y; /* columns of the point at which a label is set; x 0: the case's tick has the name */
   vs_picture *p;
   int count;
+  size_t length; /* of the last name */
 } case_names;
 
 /* True if the cases are few, and one of their axes is of words: parts, decks. */
@@ -157,12 +159,15 @@ static vs_status name_case(void *ctx, const vs_folder_row *row, vs_error *err) {
   if (!isnan(at[0])) {
     vs_gnuplot_code(script, c->x ? "set label " : c->count ? ", " : "set xtics rotate by -35 (");
     vs_gnuplot_quoted(script, name.text);
-    if (c->x)
-      vs_gnuplot_add(script, " at first %.9g, first %.9g %s,0.5 front\n", at[0], at[1],
-                     at[0] > middle ? "right offset -0.8" : "offset 0.8");
+    if (c->x && at[0] > middle)
+      vs_gnuplot_add(script, " at first %.9g, first %.9g right offset -0.8,0.5 front\n", at[0],
+                     at[1]);
+    else if (c->x)
+      vs_gnuplot_add(script, " at first %.9g, first %.9g offset 0.8,0.5 front\n", at[0], at[1]);
     else
       vs_gnuplot_add(script, " %ld", row->number);
     c->count++;
+    c->length = name.length;
   }
   vs_text_free(&name);
   return VS_OK;
@@ -173,7 +178,10 @@ static vs_status set_names(const vs_study_plot *k, size_t x, size_t y, vs_pictur
                            vs_error *err) {
   case_names c = {.k = k, .x = x, .y = y, .p = p};
   vs_status status = vs_folder_each(k->t, name_case, &c, err);
-  if (!x && c.count) vs_gnuplot_add(&p->script, ")\nset bmargin 9\nset xlabel ''\n");
+  /* a name goes down at 35 degrees: the last one goes on by 0.82 of its length */
+  if (!x && c.count)
+    vs_gnuplot_add(&p->script, ")\nset bmargin 9\nset xlabel ''\nset rmargin %g\n",
+                   fmax(4, 0.82 * (double)c.length));
   return status;
 }
 
@@ -229,6 +237,7 @@ static vs_status draw_cases(const vs_study_plot *k, size_t column, vs_picture *p
   if (s.count > MOST_POINTS)
     vs_text_add(&p->caption, "%zu cases; of each stretch the least and the largest. ", s.count);
   vs_study_plot_dots_thin(&s, MOST_POINTS);
+  vs_study_plot_below(k, column, &s, p);
   vs_study_plot_data(&p->script, "cases", &s, false);
   vs_gnuplot_add(&p->script, "plot $cases using 1:2 with points pt 7 ps %g lc rgb %s\n",
                  s.count <= FEW_POINTS ? 0.8 : 0.4, vs_scale_colours[0]);

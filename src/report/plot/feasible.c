@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/gnuplot.h"
+#include "members.h"
 #include "plot/study_plot.h"
 
 typedef struct candidate {
@@ -21,11 +22,6 @@ typedef struct region {
   candidate *item;
   size_t count;
 } region;
-
-static const char *candidate_word(const vs_node *map, const char *key) {
-  const vs_node *node = vs_tree_child(map, key);
-  return node && node->kind == VS_NODE_TEXT ? node->text : "";
-}
 
 static int by_number(const void *a, const void *b) {
   const candidate *one = a, *other = b;
@@ -50,8 +46,8 @@ static bool find_candidates(region *r) {
   if (axes < 2 || !n) return false;
   r->item = vs_alloc(n, sizeof *r->item);
   for (const vs_node *c = list->child; c; c = c->next)
-    r->item[r->count++] = (candidate){strtol(candidate_word(c, "case"), NULL, 10),
-                                      !strcmp(candidate_word(c, "holds"), "true"), NAN, NAN};
+    r->item[r->count++] = (candidate){strtol(vs_member_word(c, "case"), NULL, 10),
+                                      !strcmp(vs_member_word(c, "holds"), "true"), NAN, NAN};
   qsort(r->item, r->count, sizeof *r->item, by_number);
   for (int n_axis = 0; n_axis < 2; n_axis++)
     r->factor[n_axis] = vs_study_plot_scale(r->k, r->column[n_axis]).factor;

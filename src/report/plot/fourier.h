@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The spectrum of a recorded curve over whole cycles of the mains. */
-#ifndef VS_REPORT_FOURIER_H
-#define VS_REPORT_FOURIER_H
+#pragma once
 
 #include "base/error.h"
 #include "plot/time_window.h"
@@ -30,5 +29,3 @@ vs_status vs_fourier_csv(const vs_time_window *stretch, vs_text *csv, vs_error *
 
 /* Adds a line of text for each run: the time over which its spectrum is taken. */
 vs_status vs_fourier_say(const vs_time_window *stretch, vs_text *words, vs_error *err);
-
-#endif

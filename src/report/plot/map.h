@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A column over two axes: coloured cells, and the line on which the column is at its limit. */
-#ifndef VS_REPORT_MAP_H
-#define VS_REPORT_MAP_H
+#pragma once
 
 #include "plot/study_plot.h"
 
@@ -18,5 +17,3 @@ typedef struct vs_field_grid {
  * known there is no line. For tests. */
 void vs_map_contour(const vs_field_grid *grid, double level,
                     void (*each)(void *ctx, const double from[2], const double to[2]), void *ctx);
-
-#endif

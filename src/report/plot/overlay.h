@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Measured curves to draw over those of a run. They come from a CSV file. Its first column is the
  * time; the others are named as those of run.csv, in the same unit or one of its kind. */
-#ifndef VS_REPORT_OVERLAY_H
-#define VS_REPORT_OVERLAY_H
+#pragma once
 
 #include <stddef.h>
 
@@ -42,5 +41,3 @@ void vs_overlay_free(vs_overlay *overlay);
 
 /* The curve to draw over this column of run.csv; NULL: there is none. */
 const vs_overlay_curve *vs_overlay_find(const vs_overlay *overlay, const char *name);
-
-#endif

@@ -12,7 +12,6 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/gnuplot.h"
-#include "base/text.h"
 #include "plot/overlay.h"
 #include "plot/sheets.h"
 #include "traces.h"

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/path.h"
-#include "base/text.h"
 #include "base/tree.h"
 #include "plant/machine.h"
 #include "traces.h"
@@ -17,6 +16,7 @@ typedef struct run {
   vs_column *column; /* owned */
   size_t count;
   bool is_paper;  /* the run has the paper's machine, a scene's default, or does not say which */
+  bool is_direct; /* its supply is a direct voltage */
   bool is_figure; /* and it is fired as in the paper's figures, through the same circuit */
 } run;
 
@@ -58,6 +58,8 @@ static void look_at_run(run *r, const char *folder, const char *header) {
   const vs_node *model = vs_tree_child(vs_tree_child(scene, "machine"), "model");
   r->is_paper = !model || !model->text || !strcmp(model->text, vs_machine_key.default_text);
   r->is_figure = r->is_paper && is_of_figures(scene);
+  const vs_node *kind = vs_tree_child(vs_tree_child(scene, "supply"), "kind");
+  r->is_direct = kind && kind->text && !strcmp(kind->text, "step");
   vs_tree_free(&tree);
 }
 
@@ -175,8 +177,7 @@ static void add_first_coordinate(vs_sheet *s, const run *r) {
 /* Adds the voltage of a deck's switch, where it has that probe. */
 static void add_switch(vs_sheet *s, const run *r) {
   for (size_t k = 0; k < r->count; k++)
-    if (!strcmp(r->column[k].name, "v_ds_v"))
-      vs_sheet_add(s, "v_ds_v", "switch voltage / V", 1);
+    if (!strcmp(r->column[k].name, "v_ds_v")) vs_sheet_add(s, "v_ds_v", "switch voltage / V", 1);
 }
 
 static void fill_pulse(vs_sheet *s, const run *r) {
@@ -194,7 +195,7 @@ static void fill_overview(vs_sheet *s, const run *r) {
   vs_sheet_add(s, "force_n", "F / N", 1);
   vs_sheet_add(s, "i_a", "i / A", 1);
   vs_sheet_add(s, "v_eva_v", r->is_paper ? "EVA voltage / V" : "coil voltage / V", 1);
-  vs_sheet_add(s, "v_mains_v", "mains voltage / V", 1);
+  vs_sheet_add(s, "v_mains_v", r->is_direct ? "supply voltage / V" : "mains voltage / V", 1);
   add_switch(s, r);
 }
 
@@ -242,9 +243,10 @@ static void fill_control(vs_sheets *all, vs_sheet *s, const run *r) {
 
 /* Fills the k-th sheet; after those of the set comes the overview. */
 static void fill_sheet(vs_sheet *s, int k, const run *r) {
-  /* titles for any machine, for the paper's, and for the paper's scene */
+  /* titles for any machine, for the paper's, and for the paper's scene; where a direct voltage has
+   * it show the whole run: for any machine on that */
   static const struct {
-    const char *name, *title[3];
+    const char *name, *title[4];
     double until_s;
     int columns;
     void (*fill)(vs_sheet *s, const run *r);
@@ -265,7 +267,8 @@ static void fill_sheet(vs_sheet *s, int k, const run *r) {
       {"pulse_50ms",
        {"Displacement, force, coil current and voltage, first 50 ms",
         "Displacement, force, EVA current and voltage, first 50 ms",
-        "Displacement, force, EVA current and voltage, first 50 ms (as Fig. 11)"},
+        "Displacement, force, EVA current and voltage, first 50 ms (as Fig. 11)",
+        "Displacement, force, coil current and voltage"},
        0.05,
        2,
        fill_pulse},
@@ -285,7 +288,7 @@ static void fill_sheet(vs_sheet *s, int k, const run *r) {
       {"",
        {"Machine and converter, first 50 ms",
         "Vibratory conveyor and its thyristor converter, first 50 ms",
-        "Vibratory conveyor and its thyristor converter, first 50 ms"},
+        "Vibratory conveyor and its thyristor converter, first 50 ms", "Machine and converter"},
        0.05,
        2,
        fill_overview}};
@@ -293,6 +296,11 @@ static void fill_sheet(vs_sheet *s, int k, const run *r) {
   s->title = SHEETS[k].title[r->is_paper + r->is_figure];
   s->until_s = SHEETS[k].until_s;
   s->columns = SHEETS[k].columns;
+  if (r->is_direct &&
+      SHEETS[k].title[3]) { /* one pulse: what happens is not over after some cycles */
+    s->title = SHEETS[k].title[3];
+    s->until_s = 0;
+  }
   SHEETS[k].fill(s, r);
 }
 

@@ -3,8 +3,7 @@
  * the paper's scene they are its Figs. 9 to 11; other scenes have the same. A run with instruments
  * has two more, which show their curves as Figs. 13 and 14 do; a run with a control has one more
  * for that. */
-#ifndef VS_REPORT_SHEETS_H
-#define VS_REPORT_SHEETS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -57,5 +56,3 @@ const vs_sheet_shown *vs_sheets_shown(const vs_sheets *sheets, const char *colum
 void vs_sheet_add(vs_sheet *sheet, const char *column, const char *label, double scale);
 /* The panel that shows the column; NULL: the sheet has none. */
 const vs_panel *vs_sheet_find(const vs_sheet *sheet, const char *column);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Kinds of picture that show how a column is distributed over many cases, and what causes that. */
-#ifndef VS_REPORT_SPREAD_H
-#define VS_REPORT_SPREAD_H
+#pragma once
 
 #include "plot/study_plot.h"
 
@@ -23,5 +22,3 @@ typedef struct vs_bins {
 } vs_bins;
 /* For tests. */
 vs_bins vs_spread_bins(const double *rising, size_t count, double joint);
-
-#endif

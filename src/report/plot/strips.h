@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Probes over time, one strip each, with vertical lines where something happened. */
-#ifndef VS_REPORT_STRIPS_H
-#define VS_REPORT_STRIPS_H
+#pragma once
 
 #include "plot/time_window.h"
 
@@ -14,5 +13,3 @@ void vs_strips_one(const vs_time_window *stretch, int probe, vs_script *script);
 
 /* The unit of the time axis, "ms" or "s". */
 const char *vs_strips_time_unit(const vs_time_window *stretch);
-
-#endif

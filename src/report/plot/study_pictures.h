@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The pictures of a study's report: the kinds that its methods name, drawn for its columns. */
-#ifndef VS_REPORT_STUDY_PICTURES_H
-#define VS_REPORT_STUDY_PICTURES_H
+#pragma once
 
 #include "plot/study_plot.h"
 
@@ -23,5 +22,3 @@ void vs_study_pictures_free(vs_study_pictures *album);
 
 /* True where there is a kind of picture of that name, which a method may name; for tests. */
 bool vs_study_pictures_knows(const char *name);
-
-#endif

@@ -156,13 +156,35 @@ static void add_limit(const vs_study_plot *k, size_t column, char axis, double l
 
 enum { LOW_MARGIN = -150 }; /* %; what lies further below needs no exact place */
 
+static bool is_cut(const vs_study_plot *k, size_t column, double least, double largest) {
+  return k->t->column[column].role == VS_ROLE_MARGIN && least < LOW_MARGIN &&
+         largest >= LOW_MARGIN / 2;
+}
+
+void vs_study_plot_below(const vs_study_plot *k, size_t column, vs_dots *s, vs_picture *p) {
+  enum { NUMBERS = 24 }; /* with more they would cover one another */
+  const vs_profile *of = &k->s->profile[column];
+  const double factor = vs_study_plot_scale(k, column).factor;
+  size_t below = 0;
+  if (!is_cut(k, column, of->least * factor, of->largest * factor)) return;
+  for (size_t n = 0; n < s->count; n++) below += s->item[n].y < LOW_MARGIN;
+  for (size_t n = 0; n < s->count; n++) {
+    vs_dot *dot = &s->item[n];
+    if (!(dot->y < LOW_MARGIN)) continue;
+    if (below <= NUMBERS)
+      vs_gnuplot_add(&p->script,
+                     "set label \"%.3g\" at first %.9g, first %d center offset 0,0.8 tc rgb %s "
+                     "front\n",
+                     dot->y, dot->x, LOW_MARGIN, vs_scale_colour_bad);
+    dot->y = LOW_MARGIN;
+  }
+}
+
 /* The picture's lower end: LOW_MARGIN if some margins are below it and others well above, so that
  * those about 0 can be told apart. */
 static double cut_low(const vs_study_plot *k, size_t column, double least, double largest,
                       vs_picture *p) {
-  if (k->t->column[column].role != VS_ROLE_MARGIN || least >= LOW_MARGIN ||
-      largest < LOW_MARGIN / 2)
-    return least;
+  if (!is_cut(k, column, least, largest)) return least;
   vs_text_add(&p->caption, "It goes on below the picture, to %.4g %%. ", least);
   return LOW_MARGIN;
 }

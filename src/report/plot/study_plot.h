@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What all pictures of a study share. A picture is a gnuplot script that contains its data. Here
  * columns are read and thinned out, and titles, axes and limits are drawn. */
-#ifndef VS_REPORT_STUDY_PLOT_H
-#define VS_REPORT_STUDY_PLOT_H
+#pragma once
 
 #include "base/gnuplot.h"
 #include "base/text.h"
@@ -88,8 +87,8 @@ void vs_study_plot_axis(const vs_study_plot *k, size_t column, char axis, vs_scr
  * near; the limit is drawn as a line. */
 void vs_study_plot_range(const vs_study_plot *k, size_t column, char axis, bool from_zero,
                          vs_picture *p);
+/* Puts the points that lie below the range at its lower end, each with its number. */
+void vs_study_plot_below(const vs_study_plot *k, size_t column, vs_dots *series, vs_picture *p);
 /* Adds the points as the data block $NAME. With `gaps` the line is interrupted where cases are
  * missing. */
 void vs_study_plot_data(vs_script *script, const char *name, const vs_dots *series, bool gaps);
-
-#endif

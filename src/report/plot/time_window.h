@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a close-up shows: probes of one or several runs over a stretch of time, and what happened in
  * it. */
-#ifndef VS_REPORT_TIME_WINDOW_H
-#define VS_REPORT_TIME_WINDOW_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -101,5 +100,3 @@ void vs_time_window_begin(vs_script *script);
 void vs_time_window_legend(const vs_time_window *stretch, vs_script *script);
 /* The colour of this run's curves. */
 const char *vs_time_window_colour(size_t run);
-
-#endif

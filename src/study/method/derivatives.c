@@ -21,11 +21,6 @@ typedef struct derivatives {
   vs_sensitivity_order order;
 } derivatives;
 
-static bool is_any(const vs_node *section) {
-  (void)section;
-  return true;
-}
-
 static const vs_inside NAMES = {.rows = VS_ROWS({.kind = VS_TEXT})};
 static const vs_inside KEYS = {
     .rows = VS_ROWS({"of", VS_NEEDED | VS_TEXT | VS_LIST, .inside = &NAMES},
@@ -73,7 +68,6 @@ const vs_method vs_derivative_method = {
     .key = "sensitivity",
     .keys = &SENSITIVITY,
     .text = "no cases of its own: derivatives of each case's measures to keys, as columns",
-    .claims = is_any,
     .read = read_derivatives,
     .free = free,
     .count = count_one,

@@ -23,17 +23,12 @@
  * A row without a value is sold in any. */
 #include "method/design_choices.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/formula.h"
-#include "base/units.h"
 #include "method/design_answer.h"
 #include "method/design_search.h"
-#include "netlist/kinds.h"
-#include "report_columns.h"
 #include "study/methods.h"
 
 enum {
@@ -67,11 +62,6 @@ static const vs_field BESIDES[] = {{"aim", VS_MAP, .inside = &AIM},
                                    {"proof", VS_MAP, .inside = &PROOF},
                                    {"budget", VS_MAP, .inside = &BUDGET},
                                    {0}};
-
-static bool is_design(const vs_node *section) {
-  (void)section;
-  return true;
-}
 
 static vs_status read_flag(const vs_node *map, const char *key, bool *flag, vs_error *err) {
   const vs_node *node = vs_tree_child(map, key);
@@ -327,7 +317,6 @@ const vs_method vs_design_method = {
     .keys = &SECTION,
     .besides = BESIDES,
     .text = "search for the cheapest parts of a list of prices that hold all cases",
-    .claims = is_design,
     .read = read_design,
     .ready = ready_design,
     .free = free_design,

@@ -9,11 +9,9 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
-#include "base/units.h"
 #include "method/design_scene.h"
 #include "method/design_search.h"
 #include "method/search.h"
-#include "netlist/kinds.h"
 
 typedef struct answer {
   const vs_plan *plan;
@@ -31,16 +29,6 @@ typedef struct answer {
 } answer;
 
 /* ---- the least margin of each part ---- */
-
-/* True if the line is of a device that is made of the choice. */
-static bool is_of_choice(const answer *a, const char *line, const vs_design_choice *c) {
-  const vs_deck *deck = &a->plan->first->setup.deck;
-  const size_t n = strcspn(line, ".");
-  for (size_t k = 0; k < deck->n_devices; k++)
-    if (strlen(deck->devices[k].name) == n && !strncmp(deck->devices[k].name, line, n))
-      return vs_design_choices_makes(c, deck, &deck->devices[k]);
-  return false;
-}
 
 static void take_least(vs_design_mark *least, vs_design_mark mark) {
   if (!isfinite(mark.margin)) return;
@@ -66,7 +54,8 @@ static void take_run_of_answer(answer *a, uint64_t number, uint64_t run) {
                   not_judged ? not_judged : "", &row, came);
     if (row.weakest == SIZE_MAX) continue;
     for (size_t c = 0; c < d->n_choices; c++)
-      if (is_of_choice(a, d->hold.line[k].name, &d->choice[c]))
+      if (vs_design_choices_makes_line(&d->choice[c], &a->plan->first->setup.deck,
+                                       d->hold.line[k].name))
         take_least(&a->least[c], (vs_design_mark){number, run, k, row.margin, row.error});
   }
 }
@@ -149,11 +138,6 @@ static void add_option(const answer *a, const vs_design_candidate *c, size_t cho
   vs_design_choices_write_option(a->d, a->plan, c->number, choice, text);
 }
 
-static const char *part_name(const answer *a, const vs_design_class *class) {
-  if (class->row == VS_DESIGN_NONE) return "none";
-  return vs_price_list_cell(&a->d->list, class->row, a->d->list.part)->text;
-}
-
 /* Adds "+6.3 % +- 0.2 %". */
 static void add_margin(double margin, double error, vs_text *text) {
   vs_text_add(text, "%+.3g %%", 100 * margin);
@@ -177,8 +161,7 @@ static void want_scenes(answer *a) {
   for (size_t c = 0; c < a->d->n_choices; c++) want_scene(a, a->least[c].run);
   for (size_t k = 0; k < s->n_worst; k++) want_scene(a, s->worst[k].mark.run);
   for (size_t k = 0; k < s->n_neighbours; k++)
-    if (s->neighbour[k].candidate->state == VS_DESIGN_KILLED)
-      want_scene(a, s->neighbour[k].candidate->killer.run);
+    if (s->neighbour[k].killed) want_scene(a, s->neighbour[k].killer.run);
   for (size_t n = 0; n < s->n_list; n++)
     for (size_t k = s->n_seen; k-- > 0;)
       if (s->seen[k]->state != VS_DESIGN_OPEN && s->seen[k]->state != VS_DESIGN_HOLDS &&
@@ -396,29 +379,6 @@ static void add_lines(const answer *a, int which, vs_text *text) {
   if (between != TITLE[which]) vs_text_add(text, ".");
 }
 
-/* The limits of the chosen parts that no source says. */
-static void add_assumed(const answer *a, vs_text *text) {
-  vs_scene *scene = vs_alloc(1, sizeof *scene);
-  vs_error none = {0};
-  const double *point = &a->results->points[a->s.weakest_run * a->plan->n_axes];
-  bool any = false;
-  vs_status status = vs_plan_scene(a->plan, scene, &none);
-  if (!status) vs_plan_put(a->plan, point, &scene->tree);
-  if (!status) status = vs_scene_read_sections(scene, NULL, &none);
-  const vs_deck *deck = &scene->setup.deck;
-  for (size_t k = 0; !status && k < deck->n_devices; k++)
-    for (size_t m = 0; deck->devices[k].kind && m < deck->devices[k].kind->n_measures; m++) {
-      const size_t held = deck->devices[k].held[m];
-      if (!held || !deck->limits[held - 1].assumed) continue;
-      vs_text_add(text, "%s%s.%s", any ? ", " : " Assumed limits: ", deck->devices[k].name,
-                  deck->devices[k].kind->measures[m].name);
-      any = true;
-    }
-  if (any) vs_text_add(text, ".");
-  vs_scene_free(scene);
-  free(scene);
-}
-
 /* What no run judged, each group once, as the rows of the answer say it. */
 static void add_not_judged(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
@@ -442,7 +402,7 @@ static void add_not_judged(const answer *a, vs_text *text) {
   }
   vs_text_add(text, "Not judged: %s.", all.length ? all.text : "nothing");
   for (int which = 0; which < 3; which++) add_lines(a, which, text);
-  add_assumed(a, text);
+  vs_design_scene_unsure(a->plan, &a->results->points[a->s.weakest_run * a->plan->n_axes], text);
   vs_text_free(&all);
 }
 
@@ -483,7 +443,7 @@ static void put_choices(const answer *a, const vs_design_candidate *c, bool marg
     } else {
       vs_json_object(json, a->d->choice[k].node->key, VS_JSON_ROW);
       vs_json_text(json, "chosen", text.text);
-      vs_json_text(json, "part", part_name(a, class));
+      vs_json_text(json, "part", vs_design_choices_part(a->d, class));
       vs_json_whole(json, "number", a->d->choice[k].number);
       vs_json_number(json, "price_each", class->price, 12);
       put_mark(a, "least", &a->least[k], json);
@@ -504,9 +464,10 @@ static void put_neighbours(const answer *a, vs_json *json) {
     vs_json_object(json, NULL, VS_JSON_ROW);
     vs_json_text(json, "key", a->d->choice[n->choice].node->key);
     vs_json_text(json, "chosen", text.text);
-    vs_json_number(json, "price", n->candidate->price, 12);
-    vs_json_text(json, "verdict", state_word(n->candidate));
-    if (n->candidate->state == VS_DESIGN_KILLED) put_mark(a, "killer", &n->candidate->killer, json);
+    if (n->below) vs_json_text(json, "part", vs_design_choices_part(a->d, n->below));
+    vs_json_number(json, "price", n->price, 12);
+    vs_json_text(json, "verdict", n->below ? "violated" : state_word(n->candidate));
+    if (n->killed) put_mark(a, "killer", &n->killer, json);
     vs_json_end(json);
     vs_text_free(&text);
   }
@@ -551,9 +512,7 @@ static void put_answer(const answer *a, vs_status status, vs_json *json) {
   vs_json_text(json, "least", a->d->aim->text);
   vs_json_number(json, "price", s->answer ? s->answer->price : NAN, 12);
   vs_json_number(json, "lower_bound",
-                 a->unjudged           ? NAN
-                 : status == VS_RATING ? vs_design_choices_dearest(a->d)
-                                       : vs_design_search_bound(s),
+                 status == VS_RATING ? vs_design_choices_dearest(a->d) : vs_design_search_bound(s),
                  12);
   vs_json_whole(json, "candidates", (int64_t)a->d->n_candidates);
   vs_json_whole(json, "looked_at", (int64_t)s->n_seen);
@@ -614,7 +573,8 @@ static void add_choice_row(const answer *a, size_t c, vs_text *line) {
   char number[64];
   double margin;
   add_option(a, a->s.answer, c, &text);
-  if (strcmp(text.text, part_name(a, class)) != 0) vs_text_add(&text, " (%s)", part_name(a, class));
+  if (strcmp(text.text, vs_design_choices_part(a->d, class)) != 0)
+    vs_text_add(&text, " (%s)", vs_design_choices_part(a->d, class));
   add_cell(line, a->d->choice[c].node->key, 20);
   add_cell(line, text.text, 22);
   snprintf(number, sizeof number, "%d", a->d->choice[c].number);
@@ -670,9 +630,12 @@ static void add_doubt(const answer *a, const vs_design_candidate *c, vs_text *te
 static void add_neighbour_row(const answer *a, const vs_design_neighbour *n, vs_text *text) {
   const vs_design_candidate *c = n->candidate;
   vs_text_add(text, "%-20s  ", a->d->choice[n->choice].node->key);
-  add_option(a, c, n->choice, text);
-  if (c->state == VS_DESIGN_KILLED)
-    add_violation(a, &c->killer, text);
+  if (n->below)
+    vs_text_add(text, "as %s", vs_design_choices_part(a->d, n->below));
+  else
+    add_option(a, c, n->choice, text);
+  if (n->killed)
+    add_violation(a, &n->killer, text);
   else if (c->held)
     vs_text_add(text, " holds the list, too, for %.6g\n", c->price);
   else if (c->state == VS_DESIGN_OPEN)
@@ -681,26 +644,10 @@ static void add_neighbour_row(const answer *a, const vs_design_neighbour *n, vs_
     add_doubt(a, c, text);
 }
 
-/* A lower class of a value's part, where the answer has not the lowest. */
-static void add_class_row(answer *a, size_t choice, vs_text *text) {
-  const size_t now = a->s.answer->class[choice];
-  const vs_design_choice *c = &a->d->choice[choice];
-  vs_design_mark least = {.run = UINT64_MAX};
-  if (c->leader != choice || !now) return;
-  const vs_design_class *below =
-      &c->option[vs_design_choices_option(a->d, a->s.answer->number, choice)].classes[now - 1];
-  for (size_t k = 0; k < a->d->n_choices; k++)
-    if (a->d->choice[k].leader == choice) take_class(a, k, below, &least);
-  if (least.run == UINT64_MAX) return;
-  vs_text_add(text, "%-20s  as %s", c->node->key, part_name(a, below));
-  add_violation(a, &least, text);
-}
-
-static void add_around(answer *a, vs_text *text) {
+static void add_around(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
   vs_text_add(text, "\none size smaller, or the part that is next in price\n");
   for (size_t k = 0; k < s->n_neighbours; k++) add_neighbour_row(a, &s->neighbour[k], text);
-  for (size_t c = 0; c < a->d->n_choices; c++) add_class_row(a, c, text);
   vs_text_add(text, "\nrunner-up             ");
   if (!s->runner_up) {
     vs_text_add(text, s->spent ? "not looked for to the end: the budget is spent\n"
@@ -708,13 +655,51 @@ static void add_around(answer *a, vs_text *text) {
     return;
   }
   vs_design_choices_write(a->d, a->plan, s->runner_up->number, text);
-  vs_text_add(text, ", for %.6g more, holds the list; it was neither searched nor drawn for\n",
-              s->runner_up->price - s->answer->price);
+  vs_text_add(text, ", for %.6g more, holds the list; it was neither searched nor drawn for%s\n",
+              s->runner_up->price - s->answer->price,
+              a->d->verify && !s->runner_up->verified ? ", nor run for the errors of its margins"
+                                                      : "");
+}
+
+static bool is_killed_so(const answer *a, const vs_design_candidate *c, uint64_t number,
+                         const char *line) {
+  double margin;
+  return c->state == VS_DESIGN_KILLED && c->killer.number == number &&
+         !strcmp(line_name(a, &c->killer, &margin), line);
+}
+
+/* Adds for each line, and the case that breaks it, how many candidates they reject, and which of
+ * them comes nearest. */
+static void add_killers(const answer *a, vs_text *text) {
+  const vs_design_search *s = &a->s;
+  double margin, here;
+  for (size_t k = 0; k < s->n_seen; k++) {
+    const vs_design_candidate *nearest = s->seen[k];
+    if (nearest->state != VS_DESIGN_KILLED) continue;
+    const uint64_t number = nearest->killer.number;
+    const char *line = line_name(a, &nearest->killer, &margin);
+    size_t n = 0, first = 0;
+    while (!is_killed_so(a, s->seen[first], number, line)) first++;
+    if (first < k) continue;
+    for (size_t i = k; i < s->n_seen; i++) {
+      if (!is_killed_so(a, s->seen[i], number, line)) continue;
+      n++;
+      line_name(a, &s->seen[i]->killer, &here);
+      if (here > margin) nearest = s->seen[i], margin = here;
+    }
+    vs_text_add(text, "%s%zu candidate%s; %s", text->length ? "" : "what rejects them\n", n,
+                n == 1 ? "" : "s", n == 1 ? "" : "the nearest: ");
+    vs_design_choices_write(a->d, a->plan, nearest->number, text);
+    add_violation(a, &nearest->killer, text);
+  }
 }
 
 static void add_page(answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
-  if (!s->answer) return;
+  if (!s->answer) {
+    add_killers(a, text);
+    return;
+  }
   vs_text_add(text, "%s: %s = %.6g of %llu candidates, after %llu runs\n",
               s->proved ? "cheapest that holds" : "best so far", a->d->aim->text, s->answer->price,
               (unsigned long long)a->d->n_candidates, (unsigned long long)a->results->count);
@@ -750,9 +735,11 @@ static void add_unjudged(const answer *a, vs_text *text) {
 static vs_status end_design(const answer *a, vs_error *err) {
   const vs_design_search *s = &a->s;
   if (a->unjudged && (s->proved || s->looked_at_all))
-    return vs_fail(err, VS_RUN, "%zu %scandidate%s could not be judged; %s", a->unjudged,
-                   s->answer ? "cheaper " : "", a->unjudged > 1 ? "s" : "",
-                   s->answer ? "one of them may hold for less" : "no other one holds");
+    return vs_fail(err, VS_RUN,
+                   "%zu %scandidate%s could not be judged; %s, and nothing holds below %.6g",
+                   a->unjudged, s->answer ? "cheaper " : "", a->unjudged > 1 ? "s" : "",
+                   s->answer ? "one of them may hold for less" : "no other one holds",
+                   vs_design_search_bound(s));
   if (s->proved) return VS_OK;
   if (s->looked_at_all)
     return vs_fail(
@@ -760,12 +747,12 @@ static vs_status end_design(const answer *a, vs_error *err) {
         "nothing in the catalogue holds: all %llu candidates, up to %.6g, violate a case",
         (unsigned long long)a->d->n_candidates, vs_design_choices_dearest(a->d));
   char but[64] = "";
-  if (a->unjudged) snprintf(but, sizeof but, ", but for %zu that could not be judged", a->unjudged);
+  if (a->unjudged) snprintf(but, sizeof but, "; %zu could not be judged", a->unjudged);
   return vs_fail(err, VS_BUDGET,
                  "budget.runs = %llu is spent: nothing below %.6g holds%s%s; a larger budget, "
                  "in another folder, would look further",
-                 (unsigned long long)a->d->most_runs, vs_design_search_bound(s), but,
-                 s->answer ? ", and the best so far is not proved" : "");
+                 (unsigned long long)a->d->most_runs, vs_design_search_bound(s),
+                 s->answer ? ", and the best so far is not proved" : "", but);
 }
 
 vs_status vs_design_answer_publish(const vs_plan *plan, const vs_plan_stage *stage,
@@ -781,7 +768,10 @@ vs_status vs_design_answer_publish(const vs_plan *plan, const vs_plan_stage *sta
   const vs_status ended = end_design(a, &why);
   add_page(a, &text);
   add_unjudged(a, &text);
+  const size_t printed = text.length; /* the last sentence is printed as an error */
+  if (ended) vs_text_add(&text, "%s%s\n", printed ? "\n" : "", why.text);
   vs_status status = folder ? write_files(a, ended, &text, err) : VS_OK;
+  if (text.text) text.text[text.length = printed] = '\0';
   if (!status && !quiet) {
     fputs(text.text ? text.text : "", stdout);
     if (folder)

@@ -6,8 +6,7 @@
  *   design.txt    the page that `design` prints
  *   bom.csv       a row a part: how many, and its row of the list of prices
  *   cases/N.yaml  the cases that decide, as scenes; N is their number in study.csv */
-#ifndef VS_STUDY_DESIGN_ANSWER_H
-#define VS_STUDY_DESIGN_ANSWER_H
+#pragma once
 
 #include "study/plan.h"
 
@@ -18,5 +17,3 @@ extern const char *const vs_design_answer_files[];
 vs_status vs_design_answer_publish(const vs_plan *plan, const vs_plan_stage *stage,
                                    const vs_results *results, const char *folder, bool quiet,
                                    vs_error *err);
-
-#endif

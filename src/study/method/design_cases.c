@@ -24,21 +24,7 @@ static const vs_node *point_named(const vs_design_cases *c, size_t word) {
 
 /* ---- reading ---- */
 
-/* What a dotted key has in the scene's tree; NULL: nothing. */
-static const vs_node *node_of(const vs_scene *scene, const char *key) {
-  char part[VS_KEY_SIZE];
-  const vs_node *node = scene->tree.root;
-  for (const char *s = key; node && *s; s += strcspn(s, "."), s += *s == '.') {
-    snprintf(part, sizeof part, "%.*s", (int)strcspn(s, "."), s);
-    node = vs_tree_child(node, part);
-  }
-  return node;
-}
-
-/* Error: what another point, or the scene as it is, would have there is not said, so that nothing
- * could be put back. */
-static vs_status check_key(const vs_plan *plan, const vs_node *point, const vs_node *key,
-                           vs_error *err) {
+static vs_status check_key(const vs_node *point, const vs_node *key, vs_error *err) {
   if (!strncmp(key->key, "events", 6))
     return vs_fail_at(err, key->key_where,
                       "operation.%s: events are threats; under threats they have their names",
@@ -47,21 +33,17 @@ static vs_status check_key(const vs_plan *plan, const vs_node *point, const vs_n
     return vs_fail_at(err, key->key_where,
                       "operation.%s: a map takes the place of all of %s; write {%s.%s: ...}",
                       point->key, key->key, key->key, key->child->key);
-  if (node_of(plan->base, key->key)) return VS_OK;
-  return vs_fail_at(err, key->key_where,
-                    "operation.%s: the scene itself does not say %s; set: {%s: ...} is wanted, for "
-                    "the other cases",
-                    point->key, key->key, key->key);
+  return VS_OK;
 }
 
-static vs_status check_point(const vs_plan *plan, const vs_node *point, vs_error *err) {
+static vs_status check_point(const vs_node *point, vs_error *err) {
   vs_status status = VS_OK;
   if (point->kind != VS_NODE_MAP || !point->child)
     return vs_fail_at(err, point->where,
                       "operation.%s: keys of the scene are wanted, as {supply.voltage: 484 V}",
                       point->key);
   for (const vs_node *n = point->child; n && !status; n = n->next)
-    status = vs_error_keep(err, check_key(plan, point, n, err));
+    status = vs_error_keep(err, check_key(point, n, err));
   return status;
 }
 
@@ -102,8 +84,20 @@ vs_status vs_design_cases_read(vs_plan *plan, vs_design_cases *c, vs_error *err)
     return vs_fail_at(err, c->points->where,
                       "operation: points are wanted, as {high: {supply.voltage: 484 V}}");
   for (const vs_node *n = c->points->child; n && !status; n = n->next, c->n_points++)
-    status = vs_error_keep(err, check_point(plan, n, err));
+    status = vs_error_keep(err, check_point(n, err));
   if (!status && vs_error_count(err) == kept) add_axis(plan, c);
+  return status;
+}
+
+/* Error: a scene does not take the point, as a key is misspelt. */
+static vs_status try_point(const vs_plan *plan, const vs_node *point, vs_error *err) {
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_status status = vs_plan_scene(plan, scene, err);
+  for (const vs_node *n = point->child; n && !status; n = n->next)
+    status = vs_tree_graft(&scene->tree, n->key, n, err);
+  if (!status) status = vs_scene_read_sections(scene, NULL, err);
+  vs_scene_free(scene);
+  free(scene);
   return status;
 }
 
@@ -118,6 +112,8 @@ vs_status vs_design_cases_check(const vs_plan *plan, const vs_design_cases *c, v
               vs_fail_at(err, n->key_where,
                          "operation.%s: %s stands under %s already, which says it in each case",
                          p->key, n->key, plan->axes[k].by));
+  for (const vs_node *p = c->points ? c->points->child : NULL; p && !status; p = p->next)
+    status = vs_error_keep(err, try_point(plan, p, err));
   return status;
 }
 
@@ -136,10 +132,8 @@ static bool is_ranged(const vs_plan *plan, const vs_design_cases *c) {
 
 void vs_design_cases_count(const vs_plan *plan, vs_design_cases *c) {
   const uint64_t threats = count_threats(plan, c);
-  /* the last of the threats is the scene itself, for which points of operation stand */
-  c->count = c->n_points + threats;
-  if (threats && c->n_points) c->count--;
-  if (!c->count) c->count = 1; /* the scene as it is */
+  /* the scene as it is: the last of the threats, or the only case beside points of operation */
+  c->count = c->n_points + (threats ? threats : 1);
   c->ranged = is_ranged(plan, c);
 }
 
@@ -164,7 +158,7 @@ void vs_design_cases_put(const vs_plan *plan, const vs_design_cases *c, const do
   if (!c->n_points) return;
   for (size_t w = 1; w <= c->n_points; w++)
     for (const vs_node *n = point_named(c, w)->child; n; n = n->next)
-      vs_tree_graft(tree, n->key, node_of(c->scene, n->key), &never);
+      vs_tree_put_back(tree, &c->scene->tree, n->key);
   const vs_node *own = point_named(c, (size_t)point[c->axis]);
   /* a threat, or a spread, may say one of these keys itself, as run.until */
   if (!own && c->threats) c->threats->method->put(plan, c->threats, point + c->threats->axis, tree);
@@ -176,7 +170,7 @@ void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *c, const 
                            vs_text *text) {
   const size_t at_work = c->n_points ? (size_t)point[c->axis] : 0;
   if (at_work || !c->threats) {
-    vs_text_add(text, "%s", at_work ? point_named(c, at_work)->key : "no threat");
+    vs_text_add(text, "%s", at_work ? point_named(c, at_work)->key : "the scene as it is");
     return;
   }
   const char *between = "";

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a design has to hold: a list of cases, which are points of operation and those of the
  * study's threats, and random draws behind them. */
-#ifndef VS_STUDY_DESIGN_CASES_H
-#define VS_STUDY_DESIGN_CASES_H
+#pragma once
 
 #include "study/plan.h"
 
@@ -36,5 +35,3 @@ void vs_design_cases_put(const vs_plan *plan, const vs_design_cases *cases, cons
 void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *cases, const double *point,
                            vs_text *text);
 extern const vs_inside vs_design_cases_operation;
-
-#endif

@@ -76,10 +76,24 @@ void vs_design_choices_write(const vs_design *d, const vs_plan *plan, uint64_t k
   }
 }
 
-bool vs_design_choices_makes(const vs_design_choice *c, const vs_deck *deck,
-                             const vs_device *device) {
+/* True if the device is made of the choice: its name is what the key ends in, or its part's is. */
+static bool makes_device(const vs_design_choice *c, const vs_deck *deck, const vs_device *device) {
   return !strcmp(device->name, c->device) ||
          (device->part >= 0 && !strcmp(deck->parts[device->part].name, c->device));
+}
+
+bool vs_design_choices_makes_line(const vs_design_choice *c, const vs_deck *deck,
+                                  const char *line) {
+  const size_t n = strcspn(line, ".");
+  for (size_t k = 0; k < deck->n_devices; k++)
+    if (strlen(deck->devices[k].name) == n && !strncmp(deck->devices[k].name, line, n))
+      return makes_device(c, deck, &deck->devices[k]);
+  return false;
+}
+
+const char *vs_design_choices_part(const vs_design *d, const vs_design_class *class) {
+  if (class->row == VS_DESIGN_NONE) return NONE;
+  return vs_price_list_cell(&d->list, class->row, d->list.part)->text;
 }
 
 static bool is_lacking(const vs_design_choice *c, const double *point) {
@@ -95,17 +109,31 @@ bool vs_design_choices_lacks(const vs_design *d, const double *point, const char
   return false;
 }
 
-/* True if an event of the scene has the source open from the start already. */
-static bool is_opened(const vs_tree *tree, const char *source) {
+/* The scene's event that opens the source, whenever it does; NULL: there is none. */
+static const vs_node *opening_of(const vs_tree *tree, const char *source) {
   const vs_node *events = vs_tree_child(tree->root, "events");
   for (const vs_node *e = events ? events->child : NULL; e; e = e->next) {
-    const vs_node *kind = vs_tree_child(e, "kind"), *element = vs_tree_child(e, "element"),
-                  *at = vs_tree_child(e, "at");
+    const vs_node *kind = vs_tree_child(e, "kind"), *element = vs_tree_child(e, "element");
     if (kind && kind->text && !strcmp(kind->text, "open") && element && element->text &&
-        !strcasecmp(element->text, source) && at && at->text && !strcmp(at->text, START))
-      return true;
+        !strcasecmp(element->text, source))
+      return e;
   }
-  return false;
+  return NULL;
+}
+
+/* Opens the source from the start, by the event that would open it later where there is one. */
+static void open_source(const char *source, const char *device, vs_where where, vs_tree *tree) {
+  const vs_node *later = opening_of(tree, source);
+  vs_node at = vs_tree_word("at", START, where), element = vs_tree_word("element", source, where),
+          kind = vs_tree_word("kind", "open", where);
+  vs_error never = {0};
+  char name[2 * VS_KEY_SIZE];
+  kind.next = &element;
+  element.next = &at;
+  snprintf(name, sizeof name, later ? "events.%.90s" : "events.without_%.90s",
+           later ? later->key : device);
+  const vs_node map = vs_tree_map(NULL, &kind);
+  vs_tree_graft(tree, name, &map, &never);
 }
 
 /* Adds the word to a list of the tree, unless it is there. */
@@ -131,40 +159,26 @@ static void add_to_list(vs_tree *tree, const char *key, const char *word, vs_whe
   vs_tree_free(&copy);
 }
 
-/* A part that is left out is its device's source opened from the start, and its device waived. What
- * a threat does to that source otherwise clashes with this, so that such a case is not judged. */
+/* A part that is left out is its device's source opened from the start, and its device waived. */
 void vs_design_choices_put(const vs_design *d, const vs_plan *plan, size_t choice,
                            const double *point, vs_tree *tree) {
   const vs_design_choice *c = &d->choice[choice];
   const size_t axis = c->tolerance ? c->tolerance - 1 : c->axis;
-  const vs_where where = c->node->where;
   if (!is_lacking(c, point)) {
     vs_axis_put(&plan->axes[axis], point[axis], 12, tree);
     return;
   }
   for (size_t k = 0; k < c->n_lacked; k++) {
-    const char *const KEYS[] = {"kind", "element", "at"}, *const value[] = {"open", c->source[k],
-                                                                            START};
-    add_to_list(tree, "waive", c->lacked[k], where);
-    for (int n = 0; n < 3 && !is_opened(tree, c->source[k]); n++) {
-      char key[VS_KEY_SIZE + 32];
-      snprintf(key, sizeof key, "events.without_%s.%s", c->lacked[k], KEYS[n]);
-      vs_tree_put(tree, key, value[n], where);
-    }
+    add_to_list(tree, "waive", c->lacked[k], c->node->where);
+    open_source(c->source[k], c->lacked[k], c->node->where, tree);
   }
 }
 
 /* Without threats nothing else puts back what the scene has there. */
 void vs_design_choices_put_back(const vs_design *d, const vs_plan *plan, vs_tree *tree) {
   static const char *const KEYS[] = {"events", "waive"};
-  vs_error never = {0};
-  for (int k = 0; k < 2 && !d->cases.threats; k++) {
-    const vs_node *own = vs_tree_child(plan->base->tree.root, KEYS[k]);
-    if (own)
-      vs_tree_graft(tree, KEYS[k], own, &never);
-    else
-      vs_tree_drop(tree, KEYS[k]);
-  }
+  for (int k = 0; k < 2 && !d->cases.threats; k++)
+    vs_tree_put_back(tree, &plan->base->tree, KEYS[k]);
 }
 
 /* ---- what is to be least ---- */
@@ -236,6 +250,11 @@ static vs_status read_limits(const vs_design *d, const vs_design_choice *c, vs_d
     class->limit[l] = NAN;
     if (!*vs_price_list_cell(&d->list, class->row, c->limit_column[l])->text) continue;
     status = vs_price_list_number(&d->list, class->row, c->limit_column[l], &class->limit[l], err);
+    if (!status && !(class->limit[l] > 0))
+      status = vs_fail_at(err, vs_price_list_cell(&d->list, class->row, c->limit_column[l])->where,
+                          "%s of %s: more than 0 is wanted, or an empty cell",
+                          d->list.title[c->limit_column[l]],
+                          vs_price_list_cell(&d->list, class->row, d->list.part)->text);
     class->limit[l] *= vs_units_factor(vs_kinds_limit_unit(c->measure[l]->limit));
   }
   return status;
@@ -272,30 +291,46 @@ static vs_status add_part(vs_plan *plan, const vs_design *d, vs_design_choice *c
   return status ? status : add_row(d, c, number, row, err);
 }
 
-/* The parts of that kind, or those of them that `parts` names. */
+/* Adds "diode, zener". */
+static void write_kinds(const vs_design_choice *c, vs_text *text) {
+  for (size_t k = 0; k < c->n_kinds; k++)
+    vs_text_add(text, "%s%s", k ? ", " : "", c->kind[k]->name);
+}
+
+static bool is_of_kind(const vs_design *d, const vs_design_choice *c, size_t row) {
+  const char *kind = vs_price_list_cell(&d->list, row, d->list.kind)->text;
+  for (size_t k = 0; k < c->n_kinds; k++)
+    if (!strcmp(kind, c->kind[k]->name)) return true;
+  return false;
+}
+
+static vs_status add_named(vs_plan *plan, const vs_design *d, vs_design_choice *c,
+                           const vs_node *name, vs_error *err) {
+  const size_t r = name->kind == VS_NODE_TEXT ? vs_price_list_find(&d->list, name->text) : SIZE_MAX;
+  vs_text kinds = {0};
+  if (r == SIZE_MAX)
+    return vs_fail_at(err, name->where, "%s: %s has no part '%s'", c->node->key, d->list.path,
+                      name->kind == VS_NODE_TEXT ? name->text : "");
+  if (is_of_kind(d, c, r)) return add_part(plan, d, c, r, err);
+  write_kinds(c, &kinds);
+  vs_status status =
+      vs_fail_at(err, name->where, "%s: %s is a %s in %s; a %s is wanted", c->node->key, name->text,
+                 vs_price_list_cell(&d->list, r, d->list.kind)->text, d->list.path, kinds.text);
+  vs_text_free(&kinds);
+  return status;
+}
+
+/* The parts of these kinds, or those of them that `parts` names. */
 static vs_status read_parts(vs_plan *plan, const vs_design *d, vs_design_choice *c, vs_error *err) {
   const vs_node *parts = vs_tree_child(c->node, "parts");
   vs_status status = VS_OK;
-  size_t r = 0;
-  if (!parts) {
-    while (!status && (r = vs_price_list_next(&d->list, c->kind->name, r)) != SIZE_MAX)
-      status = vs_error_keep(err, add_part(plan, d, c, r++, err));
-    return status;
-  }
-  for (const vs_node *n = parts->kind == VS_NODE_LIST ? parts->child : parts; n && !status;
-       n = parts->kind == VS_NODE_LIST ? n->next : NULL) {
-    r = n->kind == VS_NODE_TEXT ? vs_price_list_find(&d->list, n->text) : SIZE_MAX;
-    if (r == SIZE_MAX)
-      status = vs_fail_at(err, n->where, "%s: %s has no part '%s'", c->node->key, d->list.path,
-                          n->kind == VS_NODE_TEXT ? n->text : "");
-    else if (strcmp(vs_price_list_cell(&d->list, r, d->list.kind)->text, c->kind->name) != 0)
-      status = vs_fail_at(err, n->where, "%s: %s is a %s in %s; a %s is wanted", c->node->key,
-                          n->text, vs_price_list_cell(&d->list, r, d->list.kind)->text,
-                          d->list.path, c->kind->name);
-    else
-      status = add_part(plan, d, c, r, err);
-    status = vs_error_keep(err, status);
-  }
+  for (size_t k = 0; k < c->n_kinds && !parts; k++)
+    for (size_t r = 0;
+         !status && (r = vs_price_list_next(&d->list, c->kind[k]->name, r)) != SIZE_MAX; r++)
+      status = vs_error_keep(err, add_part(plan, d, c, r, err));
+  for (const vs_node *n = parts && parts->kind == VS_NODE_LIST ? parts->child : parts; n && !status;
+       n = parts->kind == VS_NODE_LIST ? n->next : NULL)
+    status = vs_error_keep(err, add_named(plan, d, c, n, err));
   return status;
 }
 
@@ -356,7 +391,7 @@ static vs_status read_values(vs_plan *plan, const vs_design *d, vs_design_choice
   double *number = vs_alloc(MOST_OPTIONS, sizeof *number);
   size_t count = 0;
   vs_status status = list_numbers(axis, c, number, &count, err);
-  for (size_t r = 0; !status && (r = vs_price_list_next(&d->list, c->kind->name, r)) != SIZE_MAX;
+  for (size_t r = 0; !status && (r = vs_price_list_next(&d->list, c->kind[0]->name, r)) != SIZE_MAX;
        r++)
     status = vs_error_keep(err, add_values(axis, d, c, r, number, count, err));
   free(number);
@@ -378,8 +413,8 @@ static int by_first_price(const void *a, const void *b) {
 /* Finds which limits of the kind the list has columns for: "p_rated_w". */
 static void find_limits(const vs_design *d, vs_design_choice *c) {
   char title[VS_KEY_SIZE], suffix[64];
-  for (size_t m = 0; m < c->kind->n_measures; m++) {
-    const vs_device_measure *measure = &c->kind->measures[m];
+  for (size_t m = 0; m < c->kind[0]->n_measures; m++) {
+    const vs_device_measure *measure = &c->kind[0]->measures[m];
     if (!measure->limit || measure->held != VS_AT_MOST || c->n_limits == VS_DESIGN_LIMITS) continue;
     vs_units_suffix(vs_kinds_limit_unit(measure->limit), suffix, sizeof suffix);
     snprintf(title, sizeof title, "%s_%s", measure->limit, suffix);
@@ -403,7 +438,8 @@ static vs_status want_measures(vs_plan *plan, const vs_design *d, vs_design_choi
     return vs_fail_at(err, c->node->key_where,
                       "%s: the deck measures no device '%s', so that nothing tells what a %s there "
                       "has to bear; a line `*$ device %s %s = ...` is wanted",
-                      c->node->key, c->device, leader->kind->name, c->device, leader->kind->name);
+                      c->node->key, c->device, leader->kind[0]->name, c->device,
+                      leader->kind[0]->name);
   for (size_t l = 0; l < leader->n_limits; l++) {
     snprintf(name, sizeof name, "%s.%s", c->device, leader->measure[l]->name);
     c->column[l] = vs_report_columns_add(plan, name, c->node->key_where);
@@ -413,7 +449,7 @@ static vs_status want_measures(vs_plan *plan, const vs_design *d, vs_design_choi
 
 /* Error: of a value's rows one says nothing of what it bears, in none of the list's columns. */
 static vs_status check_limits(const vs_design *d, const vs_design_choice *c, vs_error *err) {
-  const bool resistor = !strcmp(c->kind->name, "resistor");
+  const bool resistor = !strcmp(c->kind[0]->name, "resistor");
   for (size_t k = 0; k < c->n_options; k++)
     for (size_t n = 0; n < c->option[k].n_classes; n++) {
       const vs_design_class *class = &c->option[k].classes[n];
@@ -422,33 +458,55 @@ static vs_status check_limits(const vs_design *d, const vs_design_choice *c, vs_
       if (says) continue;
       return vs_fail_at(err, vs_price_list_cell(&d->list, class->row, d->list.part)->where,
                         "%s: no column says what this %s bears; %s is wanted",
-                        vs_price_list_cell(&d->list, class->row, d->list.part)->text, c->kind->name,
-                        resistor ? "p_rated_w" : "v_class_v");
+                        vs_price_list_cell(&d->list, class->row, d->list.part)->text,
+                        c->kind[0]->name, resistor ? "p_rated_w" : "v_class_v");
     }
   return VS_OK;
 }
 
 static vs_status empty_choice(const vs_design *d, const vs_design_choice *c, vs_error *err) {
-  const size_t any = vs_price_list_next(&d->list, c->kind->name, 0);
-  return vs_fail_at(err, c->node->where, "%s: nothing to choose from: %s has no %s%s", c->node->key,
-                    d->list.path, c->kind->name, any == SIZE_MAX ? "" : " of these values");
+  const size_t any = vs_price_list_next(&d->list, c->kind[0]->name, 0);
+  vs_text kinds = {0};
+  write_kinds(c, &kinds);
+  vs_status status =
+      vs_fail_at(err, c->node->where, "%s: nothing to choose from: %s has no %s%s", c->node->key,
+                 d->list.path, kinds.text, any == SIZE_MAX ? "" : " of these values");
+  vs_text_free(&kinds);
+  return status;
 }
 
-static vs_status read_kind(vs_design_choice *c, vs_error *err) {
-  const vs_node *kind = vs_tree_child(c->node, "kind");
-  const char *names[64];
+static vs_status add_kind(vs_design_choice *c, const vs_node *word, vs_error *err) {
+  const char *names[64], *text = word->kind == VS_NODE_TEXT ? word->text : "";
+  const vs_kind *kind = vs_kinds_find(text);
   size_t n = 0;
-  if (!kind || kind->kind != VS_NODE_TEXT)
-    return vs_fail_at(err, kind ? kind->where : c->node->where,
-                      "%s: kind is wanted, as {kind: thyristor} or {kind: resistor, values: [1 kohm, "
-                      "2.2 kohm]}, or same_as; what is no part with a price is varied by a study",
-                      c->node->key);
-  c->kind = vs_kinds_find(kind->text);
-  if (c->kind) return VS_OK;
+  if (kind && c->n_kinds == VS_DESIGN_KINDS)
+    return vs_fail_at(err, word->where, "%s: more than %d kinds", c->node->key, VS_DESIGN_KINDS);
+  if (kind) {
+    c->kind[c->n_kinds++] = kind;
+    return VS_OK;
+  }
   for (const vs_kind *k = vs_kinds_all; k->name && n < 64; k++) names[n++] = k->name;
-  return vs_fail_at(err, kind->where, "%s: there is no kind of part '%s'%s", c->node->key,
-                    kind->text,
-                    vs_text_hint(kind->text, names, n, "; `vibrospice list kinds` has them").text);
+  return vs_fail_at(err, word->where, "%s: there is no kind of part '%s'%s", c->node->key, text,
+                    vs_text_hint(text, names, n, "; `vibrospice list kinds` has them").text);
+}
+
+/* The kind, or for parts by name a list of kinds, whose parts compete. */
+static vs_status read_kind(vs_design_choice *c, bool word, vs_error *err) {
+  const vs_node *kind = vs_tree_child(c->node, "kind");
+  vs_status status = VS_OK;
+  if (!kind || kind->kind == VS_NODE_MAP || (kind->kind == VS_NODE_LIST && !kind->child))
+    return vs_fail_at(err, kind ? kind->where : c->node->where,
+                      "%s: kind is wanted, as {kind: thyristor}, {kind: [zener, tvs]} or {kind: "
+                      "resistor, values: [1 kohm, 2.2 kohm]}, or same_as; what is no part with a "
+                      "price is varied by a study",
+                      c->node->key);
+  if (kind->kind == VS_NODE_LIST && !word)
+    return vs_fail_at(err, kind->where, "%s: a value has one kind, as {kind: resistor}",
+                      c->node->key);
+  for (const vs_node *n = kind->kind == VS_NODE_LIST ? kind->child : kind; n && !status;
+       n = kind->kind == VS_NODE_LIST ? n->next : NULL)
+    status = add_kind(c, n, err);
+  return status;
 }
 
 static vs_status read_leader(const vs_design *d, vs_design_choice *c, const vs_node *same,
@@ -482,7 +540,7 @@ static vs_status find_lacked(const vs_plan *plan, vs_design_choice *c, const vs_
     const vs_device *device = &deck->devices[k];
     int term;
     double factor;
-    if (!vs_design_choices_makes(c, deck, device)) continue;
+    if (!makes_device(c, deck, device)) continue;
     if (c->n_lacked == VS_DESIGN_DEVICES)
       return vs_fail_at(err, none->where, "%s: or: none: it makes more than %d devices",
                         c->node->key, VS_DESIGN_DEVICES);
@@ -528,7 +586,7 @@ static vs_status read_none(vs_plan *plan, vs_design_choice *c, vs_error *err) {
 static vs_status read_options(vs_plan *plan, const vs_design *d, vs_design_choice *c,
                               vs_error *err) {
   const bool word = plan->axes[c->axis].is_word;
-  vs_status status = read_kind(c, err);
+  vs_status status = read_kind(c, word, err);
   if (status) return status;
   if (!word) find_limits(d, c);
   const size_t kept = vs_error_count(err);
@@ -565,11 +623,11 @@ static vs_status copy_words(vs_axis *axis, const vs_design_choice *of, const vs_
 static const vs_inside PARTS = {.rows = VS_ROWS({.kind = VS_TEXT})},
                        VALUES = {.rows = VS_ROWS({.kind = VS_VALUE})};
 static const vs_inside CHOICE = {
-    .rows =
-        VS_ROWS({"kind", .kind = VS_TEXT}, {"parts", VS_TEXT | VS_LIST, .inside = &PARTS},
-                {"series", .kind = VS_TEXT}, {"from", .kind = VS_VALUE}, {"to", .kind = VS_VALUE},
-                {"values", VS_VALUE | VS_LIST, .inside = &VALUES}, {"same_as", .kind = VS_TEXT},
-                {"or", .kind = VS_TEXT}, {"number", .kind = VS_COUNT})};
+    .rows = VS_ROWS({"kind", VS_TEXT | VS_LIST, .inside = &PARTS},
+                    {"parts", VS_TEXT | VS_LIST, .inside = &PARTS}, {"series", .kind = VS_TEXT},
+                    {"from", .kind = VS_VALUE}, {"to", .kind = VS_VALUE},
+                    {"values", VS_VALUE | VS_LIST, .inside = &VALUES}, {"same_as", .kind = VS_TEXT},
+                    {"or", .kind = VS_TEXT}, {"number", .kind = VS_COUNT})};
 const vs_inside vs_design_choices_keys = {.rows = VS_ROWS({.kind = VS_MAP, .inside = &CHOICE})};
 
 /* Finds the key's spread, which is one of whatever is chosen. Error: it is no part of a value. */
@@ -584,6 +642,30 @@ static vs_status find_tolerance(const vs_plan *plan, vs_design_choice *c, vs_err
       c->node->key);
 }
 
+/* Error: two keys that do not go together, of which one would have no effect in silence. */
+static vs_status check_keys(const vs_axis *axis, const vs_node *choice, vs_error *err) {
+  static const char SAME[] = "same_as", SERIES[] = "series";
+  static const char *const BESIDE_SAME[] = {"kind", "parts",  SERIES, "from",
+                                            "to",   "values", "or",   NULL},
+                           *const BESIDE_PARTS[] = {SERIES, "from", "to", "values", NULL},
+                           *const BESIDE_SERIES[] = {"parts", "values", NULL},
+                           *const BESIDE_VALUES[] = {"parts", "from", "to", NULL};
+  const bool same = vs_tree_child(choice, SAME), word = axis->is_word;
+  const vs_node *key = NULL;
+  for (const char *const *no = same                            ? BESIDE_SAME
+                               : word                          ? BESIDE_PARTS
+                               : vs_tree_child(choice, SERIES) ? BESIDE_SERIES
+                                                               : BESIDE_VALUES;
+       !key && *no; no++)
+    key = vs_tree_child(choice, *no);
+  if (!key) return VS_OK;
+  return vs_fail_at(err, key->key_where, "%s: %s has no effect here; %s", axis->key, key->key,
+                    same   ? "only number goes with same_as"
+                    : word ? "parts: [...] lists parts by name"
+                           : "values: [...] is wanted, or series with from and to, or neither for "
+                             "all values of the list");
+}
+
 static vs_status read_choice(vs_plan *plan, vs_design *d, const vs_node *node, vs_error *err) {
   uint64_t number = 1;
   vs_axis *axis;
@@ -594,6 +676,7 @@ static vs_status read_choice(vs_plan *plan, vs_design *d, const vs_node *node, v
   vs_status status = vs_field_map_keys(node, node->key, &CHOICE, err);
   if (!status) status = vs_axis_whole(node, "number", 1, 1000, &number, err);
   if (!status) status = vs_plan_axis(plan, node, "catalogue", &axis, err);
+  if (!status && vs_error_count(err) == kept) status = check_keys(axis, node, err);
   if (status || vs_error_count(err) > kept) return status;
   vs_design_choice *c = &d->choice[d->n_choices];
   const char *dot = strrchr(node->key, '.');

@@ -2,15 +2,14 @@
  * The search of `design`: which parts hold all cases for the least money. A candidate is a choice
  * of an option for each key under `choose`; a case is a point of `operation` or a threat
  * (method/design_cases.h). */
-#ifndef VS_STUDY_DESIGN_CHOICES_H
-#define VS_STUDY_DESIGN_CHOICES_H
+#pragma once
 
 #include "method/design_cases.h"
 #include "study/hold.h"
 #include "study/plan.h"
 #include "study/price_list.h"
 
-enum { VS_DESIGN_CHOICES = 16, VS_DESIGN_LIMITS = 8, VS_DESIGN_DEVICES = 8 };
+enum { VS_DESIGN_CHOICES = 16, VS_DESIGN_LIMITS = 8, VS_DESIGN_DEVICES = 8, VS_DESIGN_KINDS = 8 };
 
 /* The row of an option that is nothing. */
 #define VS_DESIGN_NONE SIZE_MAX
@@ -34,8 +33,9 @@ typedef struct vs_design_option {
  * options of all of them. */
 typedef struct vs_design_choice {
   const vs_node *node;
-  const char *device; /* what the key ends in: "r1" of circuit.r1 */
-  const struct vs_kind *kind;
+  const char *device;                          /* what the key ends in: "r1" of circuit.r1 */
+  const struct vs_kind *kind[VS_DESIGN_KINDS]; /* [n_kinds]; of a value the only one */
+  size_t n_kinds;
   size_t axis, leader;      /* leader: its own number where it leads */
   size_t tolerance;         /* the axis of its spread, from 1; 0: there is none */
   int number;               /* how many of it are bought */
@@ -96,9 +96,12 @@ void vs_design_choices_write_option(const vs_design *d, const vs_plan *plan, uin
 /* Writes "TYN1212, s20k510, 330 ohm, 47 nF". */
 void vs_design_choices_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_text *text);
 
-/* True if the device is made of the choice: its name is what the key ends in, or its part's is. */
-bool vs_design_choices_makes(const vs_design_choice *choice, const vs_deck *deck,
-                             const vs_device *device);
+/* True if the verdict's line is of a device that is made of the choice: its name is what the key
+ * ends in, or its part's is. */
+bool vs_design_choices_makes_line(const vs_design_choice *choice, const vs_deck *deck,
+                                  const char *line);
+/* The part's name in the list of prices, or "none". */
+const char *vs_design_choices_part(const vs_design *d, const vs_design_class *class);
 /* True if the point leaves the device out that the verdict's line is of. */
 bool vs_design_choices_lacks(const vs_design *d, const double *point, const char *line);
 /* Takes what leaves a part out from a tree that may have another point. */
@@ -116,5 +119,3 @@ vs_status vs_design_choices_read(vs_plan *plan, vs_design *d, const vs_node *sec
 /* Orders the candidates, once the choices are read. Error: they are too many. */
 vs_status vs_design_choices_rank(const vs_node *section, vs_design *d, vs_error *err);
 extern const vs_inside vs_design_choices_keys; /* of `choose` */
-
-#endif

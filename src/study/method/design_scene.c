@@ -95,3 +95,30 @@ vs_status vs_design_scene_write(const vs_plan *plan, const vs_results *results, 
   for (size_t k = 0; k < n && !status; k++) status = write_scene(plan, results, cases, run[k], err);
   return status;
 }
+
+/* Adds the limits of the deck's parts that lack this: VS_ASSUMED, VS_TYPICAL. */
+static void add_limits(const vs_deck *deck, unsigned lack, const char *title, vs_text *text) {
+  const char *between = title;
+  for (size_t k = 0; k < deck->n_devices; k++)
+    for (size_t m = 0; deck->devices[k].kind && m < deck->devices[k].kind->n_measures; m++) {
+      const size_t held = deck->devices[k].held[m];
+      if (!held || !(deck->limits[held - 1].unsure & lack)) continue;
+      vs_text_add(text, "%s%s.%s", between, deck->devices[k].name,
+                  deck->devices[k].kind->measures[m].name);
+      between = ", ";
+    }
+  if (between != title) vs_text_add(text, ".");
+}
+
+void vs_design_scene_unsure(const vs_plan *plan, const double *point, vs_text *text) {
+  static const char *const TITLE[] = {"", " Assumed limits: ", " Typical limits, not guaranteed: "};
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_error none = {0};
+  vs_status status = vs_plan_scene(plan, scene, &none);
+  if (!status) vs_plan_put(plan, point, &scene->tree);
+  if (!status) status = vs_scene_read_sections(scene, NULL, &none);
+  for (unsigned lack = VS_ASSUMED; !status && lack <= VS_TYPICAL; lack <<= 1)
+    add_limits(&scene->setup.deck, lack, TITLE[lack], text);
+  vs_scene_free(scene);
+  free(scene);
+}

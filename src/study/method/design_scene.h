@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Cases of a study as scenes' files, which `run` takes. */
-#ifndef VS_STUDY_DESIGN_SCENE_H
-#define VS_STUDY_DESIGN_SCENE_H
+#pragma once
 
 #include "study/plan.h"
 
@@ -11,4 +10,5 @@
 vs_status vs_design_scene_write(const vs_plan *plan, const vs_results *results, const uint64_t *run,
                                 size_t n, const char *folder, vs_error *err);
 
-#endif
+/* Adds the limits of the point's parts that no source says, or that it calls typical. */
+void vs_design_scene_unsure(const vs_plan *plan, const double *point, vs_text *text);

@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "engine/tiers.h"
 #include "method/search.h"
 #include "method/span.h"
-#include "netlist/kinds.h"
 #include "run/session.h"
 
 /* Draws are asked for this many at a time. When the first is violated, the others were run in vain.
@@ -242,6 +242,12 @@ static void make_room(const vs_design_search *s, vs_design_candidate *c) {
   c->room = s->n_list;
 }
 
+/* True if the run cannot begin, as a part of the candidate conducts at rest: it cannot hold. */
+static bool cannot_begin(const vs_design_search *s, uint64_t run) {
+  return s->results->status[run] == 1 &&
+         strstr(word_of(s->results, run, VS_RESULT_WHY), vs_tiers_on_at_rest);
+}
+
 /* Takes the run of a case that the list has in that place. One that is rejected already stays so.
  */
 static void take_run(vs_design_search *s, vs_design_candidate *c, size_t place, uint64_t run) {
@@ -254,7 +260,7 @@ static void take_run(vs_design_search *s, vs_design_candidate *c, size_t place, 
   const bool failed = s->results->status[run] == 1;
   const vs_hold_row row = vs_design_search_judge(s, run);
   bool doubtful = failed || row.now == VS_HOLD_UNDECIDED;
-  bool killed = !failed && row.now == VS_HOLD_VIOLATED;
+  bool killed = failed ? cannot_begin(s, run) : row.now == VS_HOLD_VIOLATED;
   mark = (vs_design_mark){number, run, row.weakest, row.margin, row.error};
   const size_t unknown = failed ? SIZE_MAX : take_stresses(s, c, number, run);
   if (unknown != SIZE_MAX && !doubtful && !killed)
@@ -587,16 +593,31 @@ static vs_design_candidate *candidate_of(vs_design_search *s, uint64_t number) {
   return begin_candidate(s, number, rank);
 }
 
+/* The answer with the class below its own, which does not bear what the answer's bears. */
+static void add_class_below(vs_design_search *s, size_t choice) {
+  const vs_design_choice *c = &s->d->choice[choice];
+  vs_design_candidate below = *s->answer;
+  vs_design_neighbour n = {choice, s->answer, NULL, 0, true, {0}};
+  if (c->leader != choice || !below.class[choice]) return;
+  n.below = &c->option[vs_design_choices_option(s->d, below.number, choice)]
+                 .classes[--below.class[choice]];
+  n.price = vs_design_choices_price(s->d, below.number, below.class);
+  class_bears(s->d, &below, choice, n.below, &n.killer);
+  s->neighbour[s->n_neighbours++] = n;
+}
+
 static void look_around(vs_design_search *s) {
   for (size_t k = 0; k < s->d->n_choices && !s->waits; k++) {
     const size_t option = vs_design_choices_option(s->d, s->answer->number, k);
     if (s->d->choice[k].leader != k || !option) continue;
     vs_design_candidate *c =
         candidate_of(s, vs_design_choices_with(s->d, s->answer->number, k, option - 1));
-    s->neighbour[s->n_neighbours++] = (vs_design_neighbour){k, c};
     run_candidate(s, c, true);
+    s->neighbour[s->n_neighbours++] =
+        (vs_design_neighbour){k, c, NULL, c->price, c->state == VS_DESIGN_KILLED, c->killer};
     if (c->state == VS_DESIGN_HOLDS) c->state = VS_DESIGN_OPEN; /* it may be the runner-up */
   }
+  for (size_t k = 0; k < s->d->n_choices; k++) add_class_below(s, k);
   if (!s->waits) s->runner_up = find_cheapest(s, false);
 }
 
@@ -627,8 +648,7 @@ void vs_design_search_run(vs_design_search *s, const vs_design *d, const vs_plan
 double vs_design_search_bound(const vs_design_search *s) {
   double price = INFINITY;
   for (size_t k = 0; k < s->n_seen; k++)
-    if (s->seen[k]->state == VS_DESIGN_OPEN || s->seen[k]->state == VS_DESIGN_HOLDS)
-      price = fmin(price, s->seen[k]->price);
+    if (s->seen[k]->state != VS_DESIGN_KILLED) price = fmin(price, s->seen[k]->price);
   if (s->next_rank < s->d->n_candidates)
     price = fmin(price, vs_design_choices_price(s->d, s->d->order[s->next_rank], NULL));
   return price;

@@ -8,8 +8,7 @@
  * within the ranges of each threat (method/search.h), and shown random draws; a case that it does
  * not hold is added to the list for all. After the answer its neighbours are run, to be reported.
  */
-#ifndef VS_STUDY_DESIGN_SEARCH_H
-#define VS_STUDY_DESIGN_SEARCH_H
+#pragma once
 
 #include "method/design_choices.h"
 
@@ -51,10 +50,14 @@ typedef struct vs_design_worst {
   vs_design_mark mark;          /* run UINT64_MAX: no run has a margin */
 } vs_design_worst;
 
-/* A neighbour of the answer: another option of one choice. */
+/* A neighbour of the answer: another option of one choice, or a lower class of the same. */
 typedef struct vs_design_neighbour {
   size_t choice;
-  vs_design_candidate *candidate;
+  const vs_design_candidate *candidate;
+  const vs_design_class *below; /* NULL: it is another option */
+  double price;
+  bool killed; /* by the killer */
+  vs_design_mark killer;
 } vs_design_neighbour;
 
 typedef struct vs_design_search {
@@ -82,7 +85,7 @@ typedef struct vs_design_search {
   size_t n_found;
   vs_design_worst *worst; /* [n_worst], a threat each, of the last round; owned */
   size_t n_worst;
-  vs_design_neighbour neighbour[VS_DESIGN_CHOICES];
+  vs_design_neighbour neighbour[2 * VS_DESIGN_CHOICES];
   size_t n_neighbours;
   uint64_t weakest_run; /* of the answer */
 } vs_design_search;
@@ -100,7 +103,5 @@ void vs_design_search_point(const vs_design_search *search, uint64_t number, dou
 /* How the case came up: "list", "search" or "draw". */
 const char *vs_design_search_found_by(const vs_design_search *search, uint64_t number);
 
-/* The price below which nothing holds, as far as every candidate could be judged. */
+/* The price below which nothing holds: the least of what is not rejected, be it judged or not. */
 double vs_design_search_bound(const vs_design_search *search);
-
-#endif

@@ -10,7 +10,6 @@
 
 #include "base/csv.h"
 #include "base/hash.h"
-#include "base/units.h"
 #include "study/plan.h"
 
 /* ---- grid ---- */

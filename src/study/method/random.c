@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
+#include "base/alloc.h"
 
 static uint64_t mix_bits(uint64_t x) {
   x += 0x9e3779b97f4a7c15u;

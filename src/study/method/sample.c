@@ -274,55 +274,40 @@ static const char *const SPREAD_EACH[] = {"histogram", NULL},
                          *const SPREAD_LAST[] = {"influence", NULL},
                          *const CORNERS_EACH[] = {"bars", NULL};
 
+#define SAMPLED                                                                                    \
+  .key = "sample", .keys = &SAMPLE, .uncertain = true, .free = sample_free, .axis_json = spread_json
 const vs_method vs_sample_latin = {
+    SAMPLED,
     .name = "lhs",
-    .key = "sample",
-    .keys = &SAMPLE,
-    .uncertain = true,
-    .text = "Latin hypercube: every n-th part of every axis once "
-            "(without correlation)",
+    .text = "Latin hypercube: every n-th part of every axis once (without correlation)",
     .claims = is_latin,
     .read = sample_read,
-    .free = sample_free,
     .count = sample_count,
     .point = latin_point,
-    .report = {.each = SPREAD_EACH, .last = SPREAD_LAST, .sampled = true},
-    .axis_json = spread_json};
+    .report = {.each = SPREAD_EACH, .last = SPREAD_LAST, .sampled = true}};
 const vs_method vs_sample_monte_carlo = {
+    SAMPLED,
     .name = "monte_carlo",
-    .key = "sample",
-    .keys = &SAMPLE,
-    .uncertain = true,
     .text = "independent random points",
     .claims = is_monte_carlo,
     .read = sample_read,
-    .free = sample_free,
     .count = sample_count,
     .point = monte_carlo_point,
-    .report = {.each = SPREAD_EACH, .last = SPREAD_LAST, .sampled = true, .independent = true},
-    .axis_json = spread_json};
+    .report = {.each = SPREAD_EACH, .last = SPREAD_LAST, .sampled = true, .independent = true}};
 const vs_method vs_sample_sobol = {
+    SAMPLED,
     .name = "sobol",
-    .key = "sample",
-    .keys = &SAMPLE,
-    .uncertain = true,
     .text = "Sobol's sequence, shifted by the seed",
     .claims = is_sobol,
     .read = sobol_read,
-    .free = sample_free,
     .count = sample_count,
     .point = sobol_point,
-    .report = {.each = SPREAD_EACH, .last = SPREAD_LAST, .sampled = true},
-    .axis_json = spread_json};
-const vs_method vs_sample_corners = {.name = "corners",
-                                     .key = "sample",
-                                     .keys = &SAMPLE,
-                                     .uncertain = true,
+    .report = {.each = SPREAD_EACH, .last = SPREAD_LAST, .sampled = true}};
+const vs_method vs_sample_corners = {SAMPLED,
+                                     .name = "corners",
                                      .text = "the scene as it is, then all ends of all spreads",
                                      .claims = is_corners,
                                      .read = sample_read,
-                                     .free = sample_free,
                                      .count = corners_count,
                                      .point = corners_point,
-                                     .report = {.each = CORNERS_EACH},
-                                     .axis_json = spread_json};
+                                     .report = {.each = CORNERS_EACH}};

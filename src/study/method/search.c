@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
+#include "base/alloc.h"
 #include "study/random.h"
 
 /* The start takes a quarter of all points, but at least 2 populations and at most 50 points for

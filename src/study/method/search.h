@@ -15,8 +15,7 @@
  * AISTATS 2016). Along a single axis a climb closes in on both sides, so that it finds an edge, and
  * tries the same place of other periods. Along several it changes a few axes at random, by less and
  * less. That suits rugged functions with jumps. */
-#ifndef VS_STUDY_SEARCH_H
-#define VS_STUDY_SEARCH_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -60,5 +59,3 @@ size_t vs_search_agree(const vs_search *search, size_t *near);
 /* Returns what asked for the present generation: "start", "evolution", "pattern" or
  * "restarts". */
 const char *vs_search_phase(const vs_search *search);
-
-#endif

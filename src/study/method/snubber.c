@@ -26,7 +26,6 @@
 #include <string.h>
 
 #include "base/json.h"
-#include "base/text.h"
 #include "base/units.h"
 #include "method/search.h"
 #include "method/span.h"
@@ -56,11 +55,6 @@ typedef struct snubber {
   const vs_plan_stage *sample; /* the stage of sample; NULL: there is none */
   size_t n_design;             /* how many axes stand under vary; these come first */
 } snubber;
-
-static bool is_snubber(const vs_node *section) {
-  (void)section;
-  return true;
-}
 
 /* ---- reading ---- */
 
@@ -427,7 +421,6 @@ const vs_method vs_snubber_method = {
     .keys = &SNUBBER,
     .tolerates = true,
     .text = "search for the cheapest snubber that keeps its ratings over all spreads",
-    .claims = is_snubber,
     .read = read_snubber,
     .ready = ready_snubber,
     .free = free,

@@ -13,8 +13,7 @@
  *
  * Instead of a key a kind of device may stand: `varistor: 10 % uniform` is each varistor by itself.
  */
-#ifndef VS_STUDY_SPAN_H
-#define VS_STUDY_SPAN_H
+#pragma once
 
 #include "study/plan.h"
 #include "study/random.h"
@@ -47,5 +46,3 @@ double vs_span_nominal(const vs_axis *axis);
  * cycle. Worst cases repeat with it. 0: nothing repeats, or the axis is shorter than two periods.
  */
 double vs_span_period(const vs_plan *plan, const vs_axis *axis);
-
-#endif

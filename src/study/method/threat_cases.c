@@ -12,7 +12,6 @@
  * not is empty. */
 #include "study/methods.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -155,11 +154,6 @@ static vs_status refuse_search(const vs_plan *plan, const vs_node *section, vs_e
                         "the two is wanted",
                         (*m)->key);
   return VS_OK;
-}
-
-static bool claims_any(const vs_node *section) {
-  (void)section;
-  return true;
 }
 
 static vs_status read_cases(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
@@ -355,7 +349,6 @@ const vs_method vs_threat_cases_method = {.name = "threats",
                                           .key = "threats",
                                           .keys = &THREATS,
                                           .text = "what the scene has to withstand, one at a time",
-                                          .claims = claims_any,
                                           .read = read_cases,
                                           .ready = find_lines,
                                           .free = free_cases,

@@ -44,11 +44,6 @@ static void free_worst(void *state) {
   free(w);
 }
 
-static bool is_worst(const vs_node *section) {
-  (void)section;
-  return true;
-}
-
 static vs_status read_aim(vs_plan *plan, const vs_node *section, worst *w, vs_error *err) {
   const vs_node *node = vs_tree_child(section, "worst");
   const char *text = node && node->kind == VS_NODE_TEXT ? node->text : NULL;
@@ -267,7 +262,6 @@ const vs_method vs_worst_method = {
     .key = "find",
     .keys = &FIND,
     .text = "search for the worst value from many places; no bound",
-    .claims = is_worst,
     .read = read_worst,
     .free = free_worst,
     .count = worst_count,

@@ -2,8 +2,7 @@
  * One case of a study, run in this process: its point is put, as keys, over the scene, the scene is
  * run once, and a row for study.csv or failures.csv comes of it. What is constant from case to case
  * is kept: the scene's tree, and the deck's text as long as neither deck nor parts change. */
-#ifndef VS_STUDY_CASE_H
-#define VS_STUDY_CASE_H
+#pragma once
 
 #include "study/plan.h"
 
@@ -78,5 +77,3 @@ void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, c
 /* Add the header rows of study.csv and failures.csv, without a newline. */
 void vs_case_header(const vs_plan *plan, vs_text *row);
 void vs_case_failure_header(const vs_plan *plan, vs_text *row);
-
-#endif

@@ -3,8 +3,7 @@
  * bit, until the first question of the run to which what drives them answers differently. Here
  * these questions are asked of both: the next edge, the longest step, the voltages of the deck's
  * ports, the instants at which the armature jams or the load changes. */
-#ifndef VS_STUDY_DIVERGENCE_H
-#define VS_STUDY_DIVERGENCE_H
+#pragma once
 
 #include "engine/setup.h"
 
@@ -16,5 +15,3 @@ extern const double vs_divergence_near_s;
  * both, at which a step of the solver ends. INFINITY: they are the same to run.until. The setups
  * must have the same deck, supply, firing and run, and as many events. */
 double vs_divergence_of(const vs_setup *a, const vs_setup *b);
-
-#endif

@@ -21,8 +21,7 @@
  *     in the tier);
  *   - an event's at, cycle and angle, which only say when it begins;
  *   - the program: its version and ngspice's, its circuit of the EVA. */
-#ifndef VS_STUDY_IDENTITY_H
-#define VS_STUDY_IDENTITY_H
+#pragma once
 
 #include "study/plan.h"
 
@@ -39,5 +38,3 @@ void vs_identity_free(vs_identity *identity);
  * or has changed (vs_hash_hold). */
 vs_status vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_SIZE],
                          vs_error *err);
-
-#endif

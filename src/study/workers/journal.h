@@ -25,8 +25,7 @@
  *
  * The rows stay on the disk; in memory are 8 bytes for each case. A count that stands in a journal
  * never makes this process take more memory than the journal's length justifies. */
-#ifndef VS_STUDY_JOURNAL_H
-#define VS_STUDY_JOURNAL_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -130,5 +129,3 @@ typedef struct vs_journals {
   const char *more; /* further members of the manifest, as a writer inside it (vs_json_inside) adds
                        them; NULL: none */
 } vs_journals;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The head of a study's journal: what tells the study from others, and what its files need besides
  * the rows. journal.h says how its lines stand in the file. */
-#ifndef VS_STUDY_JOURNAL_HEAD_H
-#define VS_STUDY_JOURNAL_HEAD_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -78,5 +77,3 @@ void vs_journal_head_manifest(const vs_journal_head *head, const vs_journal_head
 
 /* True if the head's two parts of the manifest make one, with the counts between them. */
 bool vs_journal_head_has_manifest(const vs_journal_head *head);
-
-#endif

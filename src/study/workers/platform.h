@@ -3,8 +3,7 @@
  * library with its functions (sin, exp, pow, ... have other last bits on a processor without fused
  * multiply-add), ngspice and GSL. A study's journal says on what its rows were made, so that rows
  * of two kinds are not joined in silence. */
-#ifndef VS_STUDY_PLATFORM_H
-#define VS_STUDY_PLATFORM_H
+#pragma once
 
 #include <stdio.h>
 
@@ -26,5 +25,3 @@ void vs_platform_json(const vs_text *list, vs_json *json);
 /* Warns that rows were made on all that the list has, and of the columns of that shape whose digits
  * may differ for that. */
 void vs_platform_warn(const vs_text *list, const vs_row_shape *shape, const char *path);
-
-#endif

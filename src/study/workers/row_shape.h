@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a row of a study's journal must look like, by the header rows that stand at its head: how
  * many cells, and what each may hold. A sum that is right does not say that. */
-#ifndef VS_STUDY_ROW_SHAPE_H
-#define VS_STUDY_ROW_SHAPE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -44,5 +43,3 @@ bool vs_row_shape_read(const vs_row_shape *shape, bool failed, const char *row,
 
 /* True for the row of that case, among those that vs_row_shape_read takes. */
 bool vs_row_shape_is_of(const char *row, uint64_t index);
-
-#endif

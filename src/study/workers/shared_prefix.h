@@ -18,8 +18,7 @@
  * whose other keys are not those of the prefix (which may have a prefix of its own next), a case
  * that differs from the first instant on, and a case whose runner or branch did not come to its
  * end. */
-#ifndef VS_STUDY_SHARED_PREFIX_H
-#define VS_STUDY_SHARED_PREFIX_H
+#pragma once
 
 #include "workers/task_pipe.h"
 
@@ -32,5 +31,3 @@ vs_shared_prefix *vs_shared_prefix_new(const vs_plan *plan, vs_case *c, vs_task_
 
 /* Runs the desk's tasks, and those that come in meanwhile, and answers them. */
 void vs_shared_prefix_run(vs_shared_prefix *past);
-
-#endif

@@ -4,19 +4,13 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "engine/budget.h"
 #include "ngspice/ngspice.h"
 
 /* An answer waits this long for others, so that many quick cases cost one write. */
 static const double PATIENCE_S = 0.01;
-
-static double now_s(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 vs_task_pipe *vs_task_pipe_new(const vs_plan *plan, int in, int out) {
   vs_task_pipe *d = vs_alloc(1, sizeof *d);
@@ -51,7 +45,7 @@ void vs_task_pipe_wait(vs_task_pipe *d) {
 /* ---- answers ---- */
 
 static void put_in_box(vs_task_pipe *d, const void *bytes, size_t size) {
-  if (!d->size) d->since_s = now_s();
+  if (!d->size) d->since_s = vs_budget_clock_s();
   if (d->size + size > d->room) {
     d->room = 2 * (d->size + size);
     d->box = vs_resize(d->box, d->room, 1);
@@ -80,7 +74,7 @@ void vs_task_pipe_deliver(vs_task_pipe *d) {
 void vs_task_pipe_run(vs_task_pipe *d, vs_case *c, size_t k) {
   const vs_task *task = &d->tasks[k];
   bool circuit;
-  if (d->size && now_s() - d->since_s > PATIENCE_S) vs_task_pipe_deliver(d);
+  if (d->size && vs_budget_clock_s() - d->since_s > PATIENCE_S) vs_task_pipe_deliver(d);
   d->row.length = 0;
   int status = vs_case_run(c, task->index, task->point, &d->row, &circuit);
   const vs_task_pipe_head head = {task->index, d->row.length, status, circuit, 0, 0};

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The desk of a worker process (study/workers/worker.h): where tasks come in through one pipe, some
  * at a time, and answers go out through another. */
-#ifndef VS_STUDY_TASK_PIPE_H
-#define VS_STUDY_TASK_PIPE_H
+#pragma once
 
 #include <stdint.h>
 
@@ -54,5 +53,3 @@ void vs_task_pipe_run(vs_task_pipe *desk, vs_case *c, size_t k);
  * takes the answers. */
 void vs_task_pipe_answer(vs_task_pipe *desk, const vs_task_pipe_head *head, const char *row);
 void vs_task_pipe_deliver(vs_task_pipe *desk);
-
-#endif

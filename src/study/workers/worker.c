@@ -9,17 +9,11 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "engine/budget.h"
 #include "ngspice/sandbox.h"
 #include "workers/shared_prefix.h"
-
-double vs_worker_clock(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static bool write_message(int fd, const void *from, size_t size) {
   for (const char *at = from; size;) {
@@ -105,7 +99,7 @@ vs_status vs_worker_start(vs_worker *w, const vs_plan *plan, const char *keep, b
   w->from = back[0];
   w->circuits = 0;
   w->n_in = w->at = 0;
-  w->heard_s = vs_worker_clock();
+  w->heard_s = vs_budget_clock_s();
   return VS_OK;
 }
 
@@ -119,7 +113,7 @@ bool vs_worker_send(vs_worker *w, const vs_plan *plan, const vs_task *tasks, siz
     memcpy(at + sizeof(uint64_t), tasks[k].point, point);
     w->queue[(w->first + w->queued + k) % VS_TASK_PIPE_MOST] = tasks[k];
   }
-  if (!w->queued) w->heard_s = vs_worker_clock();
+  if (!w->queued) w->heard_s = vs_budget_clock_s();
   w->queued += count;
   bool sent = write_message(w->to, message, sizeof n + count * each);
   free(message);

@@ -2,8 +2,7 @@
  * A worker is a child process that runs cases. Tasks reach it through one pipe and answers come
  * back through another, several at once each way. It is forked before this process uses libngspice,
  * as a process can have only one. It ends when its pipe ends, or with this process. */
-#ifndef VS_STUDY_WORKER_H
-#define VS_STUDY_WORKER_H
+#pragma once
 
 #include <stdint.h>
 #include <sys/types.h>
@@ -28,7 +27,7 @@ typedef struct vs_worker {
   size_t first, queued;
   bool alone;     /* the task it has is one that is tried again */
   long circuits;  /* how many of the process' cases used ngspice */
-  double heard_s; /* vs_worker_clock when it last answered, or got tasks while it had none */
+  double heard_s; /* vs_budget_clock_s when it last answered, or got tasks while it had none */
   double case_s;  /* s a case takes, as a running mean; 0: not known yet */
   char *in;       /* bytes that came in; those from `at` on are not taken yet */
   size_t n_in, at, room;
@@ -47,8 +46,3 @@ bool vs_worker_take(vs_worker *worker, vs_answer *answer);
 /* Ends the process and all it has started; returns how it ended, as waitpid does. The queue
  * stays. */
 int vs_worker_kill(vs_worker *worker);
-
-/* Returns a time in s that only ever rises. */
-double vs_worker_clock(void);
-
-#endif

@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "engine/budget.h"
 #include "ngspice/child.h"
 
 /* libngspice leaks about a kilobyte a run, so a worker is replaced after this many. */
@@ -35,7 +36,7 @@ struct vs_worker_pool {
   size_t n_again, room;
   const vs_task_source *dealer;
   bool dealt;    /* the dealer has no more */
-  double turn_s; /* when the clock was looked at last, by vs_worker_clock */
+  double turn_s; /* when the clock was looked at last, by vs_budget_clock_s */
 };
 
 int vs_worker_pool_cores(void) {
@@ -184,7 +185,7 @@ static vs_status hear_worker(vs_worker_pool *j, vs_worker *w, vs_error *err) {
     status = j->dealer->take(j->dealer->ctx, &answer, err);
     n++;
   }
-  double now = vs_worker_clock();
+  double now = vs_budget_clock_s();
   if (n) {
     double each = (now - w->heard_s) / (double)n;
     w->case_s = w->case_s > 0 ? 0.7 * w->case_s + 0.3 * each : each;
@@ -197,7 +198,7 @@ static vs_status hear_worker(vs_worker_pool *j, vs_worker *w, vs_error *err) {
  * waits for a disk, or a batch system has stopped all of them. That time counts for none of them.
  */
 static void leave_pause_out(vs_worker_pool *j) {
-  const double now = vs_worker_clock(), pause = now - j->turn_s;
+  const double now = vs_budget_clock_s(), pause = now - j->turn_s;
   j->turn_s = now;
   for (int k = 0; k < j->o.count && pause > TURN_S; k++)
     j->workers[k].heard_s = fmin(j->workers[k].heard_s + pause, now);
@@ -206,7 +207,8 @@ static void leave_pause_out(vs_worker_pool *j) {
 static vs_status check_time(vs_worker_pool *j, vs_worker *w, vs_error *err) {
   leave_pause_out(j);
   if (!w->pid || !w->queued || !(j->o.timeout_s > 0)) return VS_OK;
-  return vs_worker_clock() - w->heard_s > j->o.timeout_s ? replace_worker(j, w, true, err) : VS_OK;
+  return vs_budget_clock_s() - w->heard_s > j->o.timeout_s ? replace_worker(j, w, true, err)
+                                                           : VS_OK;
 }
 
 static bool are_cases_over(const vs_worker_pool *j) {
@@ -237,7 +239,7 @@ vs_status vs_worker_pool_run(vs_worker_pool *j, const vs_task_source *dealer, vs
       signal(SIGPIPE, SIG_IGN); /* writing to a worker that is gone must not end this process */
   j->dealer = dealer;
   j->dealt = false;
-  j->turn_s = vs_worker_clock();
+  j->turn_s = vs_budget_clock_s();
   vs_status status = VS_OK;
   /* Fill the workers' queues, wait up to 50 ms for answers, hand these to the dealer; until every
    * case is answered, the user stops the study, or something cannot be written. */

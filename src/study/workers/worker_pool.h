@@ -2,8 +2,7 @@
  * Deals cases out to workers. A worker that dies or does not answer in time costs no more than its
  * own case. It is replaced, and each case it had is run again in a worker that has nothing else. A
  * case that ends such a worker, too, has failed; its row says how. */
-#ifndef VS_STUDY_WORKER_POOL_H
-#define VS_STUDY_WORKER_POOL_H
+#pragma once
 
 #include <signal.h>
 
@@ -41,5 +40,3 @@ vs_worker_pool *vs_worker_pool_new(const vs_worker_pool_options *options);
  * dealer returns; no process can be made. The cases under way are then dropped. */
 vs_status vs_worker_pool_run(vs_worker_pool *jobs, const vs_task_source *dealer, vs_error *err);
 void vs_worker_pool_free(vs_worker_pool *jobs);
-
-#endif

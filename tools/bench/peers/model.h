@@ -5,8 +5,7 @@
  * 50 Hz sine. States x: 0..3 q=(p,u,w,phi) [m,m,m,rad], 4..7 qdot, 8 flux linkage lam=L(z)*i [Wb].
  *   i = lam*z/(L0*z0), z = z0+p, F = a*i^2/z^2 = lam^2/(2*L0*z0), dlam/dt = u(t)-R*i (conducting)
  * else lam=0. Pulse k fires at omega*t = alpha + 2*pi*k, k = 0..pulses-1. */
-#ifndef MODEL_H
-#define MODEL_H
+#pragma once
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -201,4 +200,3 @@ static inline void rhs_f(const model *m, int on, double t, const double *x, doub
 static inline double cur(const model *m, const double *x) {
   return x[8] * (m->z0 + x[0]) / (m->L0 * m->z0);
 }
-#endif

@@ -28,6 +28,7 @@
 #include <unistd.h>
 
 #include "base/text.h"
+#include "engine/budget.h"
 #include "race.h"
 
 enum { ROWS = 20001, ALL = 5 }; /* at most; p, u, w, phi, i */
@@ -221,7 +222,7 @@ static void print_error(const char *ref, const char *path, size_t (*reader)(FILE
 }
 
 static double run_child(char *const *arguments) {
-  double began = race_clock();
+  double began = vs_budget_clock_s();
   pid_t pid = fork();
   if (pid < 0) race_give_up("no process for the child");
   if (pid == 0) {
@@ -232,7 +233,7 @@ static double run_child(char *const *arguments) {
   int status;
   if (waitpid(pid, &status, 0) != pid || !WIFEXITED(status)) race_give_up("a child failed");
   if (WEXITSTATUS(status) != 0 && WEXITSTATUS(status) != VS_RATING) race_give_up("a child failed");
-  return race_clock() - began;
+  return vs_budget_clock_s() - began;
 }
 
 static void print_seconds(int times, char *const *arguments) {

@@ -7,17 +7,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "base/text.h"
+#include "engine/budget.h"
 
 enum { MOST_ROUNDS = 100 };
-
-double race_clock(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 _Noreturn void race_give_up(const char *what) {
   fprintf(stderr, "work_precision: %s\n", what);
@@ -33,9 +27,9 @@ typedef struct lane {
 static void run_once(race *r, lane *lanes, size_t k) {
   attempt *a = &r->list[k];
   lane *l = &lanes[k];
-  double began = race_clock();
+  double began = vs_budget_clock_s();
   a->run(a);
-  double spent = race_clock() - began;
+  double spent = vs_budget_clock_s() - began;
   l->times[l->n++] = spent;
   l->spent_s += spent;
   if (spent <= r->longest_s) return;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * For the parts of tools/bench/work_precision: attempts at one problem, timed in turn. */
-#ifndef VS_TOOLS_RACE_H
-#define VS_TOOLS_RACE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -34,8 +33,6 @@ void race_run(race *r);
 /* CSV, without a header: part, method, varied, value, error, best_s, middle_s, steps. */
 void race_print(const race *r);
 
-double race_clock(void); /* s */
-
 /* The scene `paper` with KEY=VALUEs set (a NULL-ended list); ends the program when it is refused.
  * free() it behind vs_scene_free. */
 vs_scene *race_scene(const char *tier, const char *const *sets);
@@ -43,5 +40,3 @@ vs_scene *race_scene(const char *tier, const char *const *sets);
 double race_compare(const vs_scene *scene, comparison *c, long *steps);
 
 _Noreturn void race_give_up(const char *what);
-
-#endif

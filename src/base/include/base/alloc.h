@@ -13,8 +13,7 @@
  * src/heap.c does the same for what the program's libraries ask for.
  *
  * What these functions return is freed with free(). */
-#ifndef VS_BASE_ALLOC_H
-#define VS_BASE_ALLOC_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -54,5 +53,3 @@ ssize_t vs_alloc_line(char **line, size_t *size, FILE *file);
 /* Ends the process, as so many bytes were wanted and are not there; 0: it is not known how many.
  * It asks for no memory. */
 _Noreturn void vs_alloc_failed(size_t bytes);
-
-#endif

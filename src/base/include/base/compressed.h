@@ -2,8 +2,7 @@
  * Files packed by zstd (RFC 8878), read and written as streams of what is in them. A file is packed
  * if its name ends with ".zst". One frame is written, with the checksum of its content, so that a
  * damaged file is noticed when it is read. */
-#ifndef VS_BASE_COMPRESSED_H
-#define VS_BASE_COMPRESSED_H
+#pragma once
 
 #include <stdio.h>
 
@@ -23,5 +22,3 @@ FILE *vs_compressed_write(FILE *file, const char *name);
 /* Writes what is left into the file and ends the stream. Does nothing where stream is the file
  * itself. Error: VS_RUN, something could not be packed or written. */
 vs_status vs_compressed_end(FILE *stream, FILE *file, const char *name, vs_error *err);
-
-#endif

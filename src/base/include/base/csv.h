@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Rows of comma-separated values, as RFC 4180 has them: a cell in double quotes may hold commas,
  * line breaks and quotes, of which each is written twice. */
-#ifndef VS_BASE_CSV_H
-#define VS_BASE_CSV_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -58,5 +57,3 @@ size_t vs_csv_split(char *row, char **cells, size_t most, vs_csv_flaw *flaw);
 /* Adds one cell, in quotes where a comma, a quote or a line break asks for them. A line break is
  * written as a blank, so that each row of ours is one line. */
 void vs_csv_cell(vs_text *row, const char *word);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Reading a line of the netlist contract from left to right, word by word. */
-#ifndef VS_BASE_CURSOR_H
-#define VS_BASE_CURSOR_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -40,5 +39,3 @@ vs_status vs_cursor_name(vs_cursor *c, char *name, size_t size, vs_error *err);
 
 /* Turns a text into lower case, in place: ngspice knows no capitals. */
 void vs_cursor_lower(char *text);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Disjoint sets of the numbers 0, 1, 2, ...: each number is in one set, and sets can be joined (a
  * union-find forest). */
-#ifndef VS_BASE_DISJOINT_SETS_H
-#define VS_BASE_DISJOINT_SETS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -23,5 +22,3 @@ size_t vs_disjoint_sets_find(vs_disjoint_sets *sets, size_t number);
 bool vs_disjoint_sets_join(vs_disjoint_sets *sets, size_t a, size_t b);
 
 void vs_disjoint_sets_free(vs_disjoint_sets *sets);
-
-#endif

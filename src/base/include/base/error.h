@@ -2,8 +2,7 @@
  * How a function says that it failed: it returns a status to act on, and fills a vs_error with one
  * line to show the user. A run ends at its first error. The command `check` carries on behind most
  * errors and gathers them all. */
-#ifndef VS_BASE_ERROR_H
-#define VS_BASE_ERROR_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -73,5 +72,3 @@ vs_status vs_error_keep(vs_error *err, vs_status status);
 /* Returns how many errors were kept so far; 0 without findings. A caller compares the count before
  * and after a step: what fails after a kept error may only be a consequence of it. */
 size_t vs_error_count(const vs_error *err);
-
-#endif

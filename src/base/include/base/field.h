@@ -3,8 +3,7 @@
  * key what it takes, its unit, its default, what is allowed and what it means; or of a list or a
  * map, which table its own keys have. Reading, messages, lists, schemas and help go by these rows.
  */
-#ifndef VS_BASE_FIELD_H
-#define VS_BASE_FIELD_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -139,5 +138,3 @@ void vs_field_range(const vs_field *field, char *text, size_t size);
  * scene's section. On error the member keeps what it had. */
 vs_status vs_field_read(const vs_section *section, const vs_field *field, const vs_node *node,
                         void *out, vs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Files that appear whole or not at all, and the folders they go to. */
-#ifndef VS_BASE_FILE_H
-#define VS_BASE_FILE_H
+#pragma once
 
 #include <stdio.h>
 
@@ -53,5 +52,3 @@ vs_status vs_file_was_read(FILE *stream, const char *path, vs_error *err);
 /* Removes a plain file from the folder that is open as `folder`; a link, or what else has that
  * name, stays. */
 void vs_file_remove(int folder, const char *name);
-
-#endif

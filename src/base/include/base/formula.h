@@ -10,8 +10,7 @@
  *                 pwr(x,y) = sign(x) |x|^y; min max
  *
  * The program evaluates it outside ngspice, so that a loss costs no Newton iteration. */
-#ifndef VS_BASE_FORMULA_H
-#define VS_BASE_FORMULA_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -143,5 +142,3 @@ static inline double vs_formula_prepared_value(const vs_formula_prepared *q, con
  * nodes are in lower case, gnd is "0", and so is `second` where there is no m. Returns false, and
  * leaves *at, where something else stands there. Each buffer holds size bytes. */
 bool vs_formula_term_read(const char **at, char quantity, char *first, char *second, size_t size);
-
-#endif

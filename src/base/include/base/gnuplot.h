@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * gnuplot as a child process: a script goes in, a picture comes out. */
-#ifndef VS_BASE_GNUPLOT_H
-#define VS_BASE_GNUPLOT_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -47,5 +46,3 @@ vs_status vs_gnuplot_picture(const char *script, char **picture, size_t *size, v
  * written. */
 vs_status vs_gnuplot_draw(const char *script, const char *folder, const char *name, bool quiet,
                           vs_error *err);
-
-#endif

@@ -2,8 +2,7 @@
  * Two checksums. CRC-32 (ISO 3309, with zlib's bit order) finds torn lines; SHA-256 (FIPS 180-4)
  * tells files apart. Input files are opened here, too, so that every reader of a file gets the same
  * bytes (vs_hash_hold). */
-#ifndef VS_BASE_HASH_H
-#define VS_BASE_HASH_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -40,5 +39,3 @@ vs_status vs_hash_open(const char *path, FILE **stream, vs_error *err);
 /* Writes the SHA-256 of a file's contents. Errors: the file cannot be read; those of vs_hash_open.
  */
 vs_status vs_hash_file(const char *path, char text[VS_HASH_TEXT], vs_error *err);
-
-#endif

@@ -11,8 +11,7 @@
  *
  * There is one jail for the whole process, as there is one working directory: every function that
  * opens input asks it, and no caller can forget to pass it on. */
-#ifndef VS_BASE_JAIL_H
-#define VS_BASE_JAIL_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -38,5 +37,3 @@ void vs_jail_allow_place(const char *label);
 /* Asked before a file is opened, whether it is there or not. `where` is the place that names it.
  * Error: it lies outside of what is allowed. */
 vs_status vs_jail_check(const char *path, vs_where where, vs_error *err);
-
-#endif

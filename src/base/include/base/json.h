@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A writer of JSON (RFC 8259). It adds objects, arrays and values to a vs_text and knows where
  * commas, line breaks and indents belong. */
-#ifndef VS_BASE_JSON_H
-#define VS_BASE_JSON_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -58,5 +57,3 @@ bool vs_json_is_whole(const char *text);
 
 /* Adds the string alone, in quotes and escaped. */
 void vs_json_string(vs_text *text, const char *string);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A hash table from names to numbers, so that reading a file of many thousand names takes a time
  * proportional to its size. Capitals make no difference. */
-#ifndef VS_BASE_NAMES_H
-#define VS_BASE_NAMES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -27,5 +26,3 @@ void vs_names_put(vs_names *names, const char *name, size_t size, size_t number)
 bool vs_names_find(const vs_names *names, const char *name, size_t size, size_t *number);
 
 void vs_names_free(vs_names *names);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Where the files that come with the program are found. */
-#ifndef VS_BASE_PATH_H
-#define VS_BASE_PATH_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -60,5 +59,3 @@ void vs_path_allow_shipped(void);
 
 /* Calls each(ctx, path) for every file on the shelf, sorted by name within each library folder. */
 void vs_path_list(const vs_shelf *shelf, void (*each)(void *ctx, const char *path), void *ctx);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A cache of a scene's sections. When a scene is read again with some of its keys changed, as for
  * each case of a study, only those keys are parsed anew. */
-#ifndef VS_BASE_SECTION_CACHE_H
-#define VS_BASE_SECTION_CACHE_H
+#pragma once
 
 #include "base/field.h"
 
@@ -33,5 +32,3 @@ vs_status vs_section_cache_read(vs_section_cache *memo, const vs_section *sectio
 /* Adds all that is written in the node, without its places. Nodes that differ in a key, a text or
  * their order add other bytes. NULL adds a mark. */
 void vs_section_cache_key(const vs_node *node, vs_text *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How the program ends when a signal asks for it. It removes the files it has begun and ends at
  * once, unless a command heeds the signal and ends in good order itself. */
-#ifndef VS_BASE_SHUTDOWN_H
-#define VS_BASE_SHUTDOWN_H
+#pragma once
 
 #include <signal.h>
 
@@ -51,5 +50,3 @@ _Noreturn void vs_shutdown_now(int status, int child_status, const char *text, s
  */
 void vs_shutdown_block_signals(sigset_t *before);
 void vs_shutdown_unblock_signals(const sigset_t *before);
-
-#endif

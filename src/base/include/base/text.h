@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Strings that grow, nearest names, UTF-8, numbers. */
-#ifndef VS_BASE_TEXT_H
-#define VS_BASE_TEXT_H
+#pragma once
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -76,5 +75,3 @@ double vs_text_to_number(const char *text, char **end);
 /* Says of a number that the text begins with why it is read as NaN, and what would be right, as
  * "too large a number: one below 1e300 is wanted"; NULL: it is not. */
 const char *vs_text_out_of_range(const char *text);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A scene or study file, which is YAML, as a tree of keys, lists and texts that remember where they
  * stood. */
-#ifndef VS_BASE_TREE_H
-#define VS_BASE_TREE_H
+#pragma once
 
 #include "base/error.h"
 
@@ -50,11 +49,16 @@ vs_status vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value, vs
 void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where where);
 /* Takes the root's key out, if it is there. */
 void vs_tree_drop(vs_tree *tree, const char *key);
+/* Gives the dotted key, which goes through no list, what it has in the other tree. Where that has
+ * not all of the maps above it, what is above goes, too: a section takes its defaults again. */
+void vs_tree_put_back(vs_tree *tree, const vs_tree *own, const char *key);
 void vs_tree_free(vs_tree *tree);
 
 /* The map's value of that key; NULL when it has none or map is NULL. */
 const vs_node *vs_tree_child(const vs_node *map, const char *key);
-/* The same where that value is a map; else NULL. Each of its children has a key. */
+/* The same below the map, of a dotted key; the map itself of an empty one. */
+const vs_node *vs_tree_find(const vs_node *map, const char *key);
+/* vs_tree_child where that value is a map; else NULL. Each of its children has a key. */
 const vs_node *vs_tree_child_map(const vs_node *map, const char *key);
 
 /* Where the dotted key stands below the map: its value. Where there is none, the place of what is
@@ -67,5 +71,3 @@ vs_where vs_tree_place(const vs_node *map, const char *key);
  * NULL. */
 vs_node vs_tree_word(const char *key, const char *text, vs_where where);
 vs_node vs_tree_map(const char *key, vs_node *child);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Numbers with units: "6 mm", "0.1 N.s/m", "95deg", "3.86e-3 kg.m2". */
-#ifndef VS_BASE_UNITS_H
-#define VS_BASE_UNITS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -50,5 +49,3 @@ void vs_units_suffix(const char *unit, char *suffix, size_t size);
  * writes it or with its capitals: "mm_s2", "ma", "mA". NaN: there is no unit of that name of the
  * same kind as `unit`. */
 double vs_units_suffix_factor(const char *suffix, const char *unit);
-
-#endif

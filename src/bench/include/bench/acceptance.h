@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The acceptance test of a part: tries it on the test stand, holds what it got to what the part's
  * file asks, and names what is implausible. */
-#ifndef VS_BENCH_ACCEPTANCE_H
-#define VS_BENCH_ACCEPTANCE_H
+#pragma once
 
 #include "run/findings.h"
 
@@ -10,5 +9,3 @@
  * gnuplot is installed, bench.png there. Of a part of a kind that is not tried it says so. Errors:
  * the part cannot be put on the stand; a file cannot be written. */
 vs_status vs_acceptance_try(const vs_check_options *options, vs_check_bench *bench, vs_error *err);
-
-#endif

@@ -9,11 +9,8 @@
  *   R C L K V I E F G H B S W D Q M X, with .param, .func, .model d, npn, pnp, vdmos, sw and csw; V
  *   and I constant, from outside, or by pulse, sin and pwl; E and G with a gain, POLY and VALUE, F
  *   and H with a gain and POLY. */
-#ifndef VS_COMPILED_COMPILED_H
-#define VS_COMPILED_COMPILED_H
+#pragma once
 
 #include "ngspice/circuit.h"
 
 extern const vs_circuit_kind vs_compiled_kind;
-
-#endif

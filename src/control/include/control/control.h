@@ -5,8 +5,7 @@
  *   control: {law: amplitude, sensor: p, setpoint: 1 mm, gain: -5 deg/mm, integral: 60 deg/mm.s}
  *
  * How it works in a run is in control/loop.h. */
-#ifndef VS_CONTROL_CONTROL_H
-#define VS_CONTROL_CONTROL_H
+#pragma once
 
 #include "control/regulator.h"
 
@@ -72,5 +71,3 @@ typedef struct vs_control_column {
 /* Its columns, from 0: the angle of the last firing that was decided, then what its law shows,
  * then the observer's estimates. False behind the last, and where there is no control. */
 bool vs_control_column_at(const vs_control *control, int k, vs_control_column *column);
-
-#endif

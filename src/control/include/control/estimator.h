@@ -11,8 +11,7 @@
  *
  * The machine is the scene's as it begins, without its stops: of a load that changes, or of an
  * armature that jams, the observer is not told. */
-#ifndef VS_CONTROL_ESTIMATOR_H
-#define VS_CONTROL_ESTIMATOR_H
+#pragma once
 
 #include "control/state_observer.h"
 #include "engine/channel.h"
@@ -50,5 +49,3 @@ void vs_estimator_sample(vs_estimator *estimator, double current_a, const double
 
 /* Compares the last sample's estimate with the true q and q' of that instant. */
 void vs_estimator_compare(vs_estimator *estimator, const double *x);
-
-#endif

@@ -2,8 +2,7 @@
  * The control of one run. It reads the run's meters at the ticks of its clock, n/control.rate, and
  * decides the angle of each firing at the rising zero crossing of the mains at which that firing's
  * cycle begins, from what it has read until then. Every tier ends a step there. */
-#ifndef VS_CONTROL_LOOP_H
-#define VS_CONTROL_LOOP_H
+#pragma once
 
 #include "control/control.h"
 #include "control/estimator.h"
@@ -41,5 +40,3 @@ vs_status vs_loop_accept(vs_loop *loop, const vs_step *step, vs_error *err);
 double vs_loop_shows(const vs_loop *loop, int k);
 
 void vs_loop_end(vs_loop *loop);
-
-#endif

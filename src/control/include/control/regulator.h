@@ -5,8 +5,7 @@
  *
  * A new one is a file with a constant struct, a line in control/regulators.h and a row in
  * control/regulators.c. */
-#ifndef VS_CONTROL_REGULATOR_H
-#define VS_CONTROL_REGULATOR_H
+#pragma once
 
 #include <math.h>
 
@@ -96,5 +95,3 @@ static inline vs_lowpass vs_regulator_lowpass(const vs_control_input *s) {
   const vs_instrument_values *v = &s->instruments->item[s->sensor].v;
   return vs_lowpass_make(v->bandwidth_hz, v->order, v->damping);
 }
-
-#endif

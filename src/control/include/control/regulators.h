@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The table of the laws of control. */
-#ifndef VS_CONTROL_REGULATORS_H
-#define VS_CONTROL_REGULATORS_H
+#pragma once
 
 #include "control/regulator.h"
 
@@ -14,5 +13,3 @@ extern const vs_regulator vs_amplitude_regulator, vs_phase_regulator, vs_pipe_re
 
 /* The one of that name; NULL: there is none. */
 const vs_regulator *vs_regulators_find(const char *name);
-
-#endif

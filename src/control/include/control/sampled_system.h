@@ -8,8 +8,7 @@
  *
  * and y are what the instruments show, but for noise, steps of the A/D and ends of ranges. A, b0
  * and b1 come from the exponential of the equations of motion, without an error of their own. */
-#ifndef VS_CONTROL_SAMPLED_SYSTEM_H
-#define VS_CONTROL_SAMPLED_SYSTEM_H
+#pragma once
 
 #include <gsl/gsl_complex.h>
 #include <gsl/gsl_matrix.h>
@@ -86,5 +85,3 @@ gsl_complex vs_sampled_system_difference(const vs_sampled_system *system, vs_pol
  * imaginary part. Returns false where GSL finds none. */
 bool vs_sampled_system_poles(const vs_sampled_system *system, const vs_scaled *scaled,
                              const gsl_matrix *gain, vs_pole poles[VS_SAMPLED_MOST]);
-
-#endif

@@ -9,8 +9,7 @@
  * Of the sampled system x(k+1) = A x(k) + ... with the sensors y = C x + ... the estimate is
  * corrected by L (y - C x), so that its error e goes on as e(k+1) = (I - L C) A e(k). Its poles s,
  * 1/s, are those for which exp(s T) is an eigenvalue of (I - L C) A. */
-#ifndef VS_CONTROL_STATE_OBSERVER_H
-#define VS_CONTROL_STATE_OBSERVER_H
+#pragma once
 
 #include "base/field.h"
 #include "control/sampled_system.h"
@@ -69,5 +68,3 @@ vs_status vs_state_observer_read(const vs_node *map, const vs_model *model,
 const char *vs_state_observer_note(const vs_state_observer *observing, const vs_setup *setup,
                                    char *text, size_t size);
 void vs_state_observer_free(vs_state_observer *observing);
-
-#endif

@@ -3,8 +3,7 @@
  * watchers that evaluate formulas. An operation is looked up once for all of these steps, and then
  * done for one after the other. Each piece of a step between which terms run straight is one here,
  * so that their values half way and at its end say all. */
-#ifndef VS_ENGINE_BATCH_H
-#define VS_ENGINE_BATCH_H
+#pragma once
 
 #include "engine/step.h"
 
@@ -28,5 +27,3 @@ void vs_batch_take(vs_batch *batch, const vs_step *step);
  * vs_formula_prepared_value to the bit. */
 void vs_batch_evaluate(const vs_formula_prepared *formula, const vs_batch *batch,
                        vs_pair value[VS_BATCH_STEPS]);
-
-#endif

@@ -2,8 +2,7 @@
  * How much a search of runs may take. A search for the share of the load consists of searches for
  * orbits, and each of these of runs over cycles of the mains. All of them count on one budget. It
  * counts cycles and not seconds, so that a search ends at the same cycle on every machine. */
-#ifndef VS_ENGINE_BUDGET_H
-#define VS_ENGINE_BUDGET_H
+#pragma once
 
 #include "base/error.h"
 
@@ -31,4 +30,5 @@ vs_status vs_budget_take(vs_budget *budget, bool has_circuit, long cycles, vs_er
 /* Takes the line of progress away. */
 void vs_budget_end(vs_budget *budget);
 
-#endif
+/* Returns a time in s that only ever rises: the wall clock. */
+double vs_budget_clock_s(void);

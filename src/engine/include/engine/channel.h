@@ -2,8 +2,7 @@
  * Channels: the quantities that every step of a run offers, under the names and units that users
  * see as columns of the CSV files and as probes; and the frame of a run, which says which there
  * are. */
-#ifndef VS_ENGINE_CHANNEL_H
-#define VS_ENGINE_CHANNEL_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -142,5 +141,3 @@ enum {
 };
 /* Returns the groups that these channels, given by their numbers, belong to. */
 unsigned vs_channel_groups(const vs_model *model, const int *channels, int count);
-
-#endif

@@ -22,8 +22,7 @@
  * then on it goes up and down from step to step, about the current that flows. A current that does
  * so is taken as the mean over each step, which the rule has right. Taken at the knots, every other
  * one of them would look like a firing. */
-#ifndef VS_ENGINE_CONDUCTION_H
-#define VS_ENGINE_CONDUCTION_H
+#pragma once
 
 #include "engine/step.h"
 #include "netlist/devices.h"
@@ -86,5 +85,3 @@ double vs_conduction_current(const vs_conduction *c, double i_a, double v_v);
  * time of the event. A firing may lie many steps back; an extinction lies within the step, or up to
  * 1 us behind it, or before it, by a gate pulse at most. */
 vs_event vs_conduction_follow(vs_conduction *c, const vs_conduction_step *step, double *event_s);
-
-#endif

@@ -5,8 +5,7 @@
  *   heatsink: {thyristor: 12 K/W}
  *
  * A device heats its case, the case its heat sink, and that the ambient. */
-#ifndef VS_ENGINE_COOLING_H
-#define VS_ENGINE_COOLING_H
+#pragma once
 
 #include "base/json.h"
 #include "base/tree.h"
@@ -34,9 +33,9 @@ bool vs_cooling_has(const vs_cooling *cooling, const vs_deck *deck, const vs_dev
 
 /* The thermal resistance from the device's case to the ambient, K/W: of its heat sink, with r_th_cs
  * of its part where that states one; else r_th_ja of its part, less r_th_jc. NaN: neither is known.
- * *assumed becomes true where no source says a figure of it, and else stays. */
+ * *unsure gets what its figures lack, besides. */
 double vs_cooling_to_ambient(const vs_cooling *cooling, const vs_deck *deck,
-                             const vs_device *device, bool *assumed);
+                             const vs_device *device, unsigned *unsure);
 
 /* Adds what heats what: "thyristor: junction over case 1.8 K/W, over heat sink 12 K/W, over ambient
  * 40 degC". */
@@ -47,5 +46,3 @@ void vs_cooling_write(const vs_cooling *cooling, const vs_deck *deck, const vs_d
 void vs_cooling_json(const vs_cooling *cooling, const vs_deck *deck, vs_json *json);
 /* Adds what the keys say to a text that a run is known by. */
 void vs_cooling_identify(const vs_cooling *cooling, const vs_deck *deck, vs_text *text);
-
-#endif

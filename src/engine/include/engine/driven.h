@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What drives the machine on an ideal tier from a knot on, and the knot's derivatives that follow
  * from it. */
-#ifndef VS_ENGINE_DRIVEN_H
-#define VS_ENGINE_DRIVEN_H
+#pragma once
 
 #include "engine/step.h"
 #include "engine/wave.h"
@@ -52,5 +51,3 @@ double vs_driven_built_up(const vs_driven *driven, double t_s);
  * be any wave: it is searched from since_s to most_s, and most_s is returned if it does not fall.
  * Else u is one sine that begins in its positive half wave. INFINITY: u has no sines. */
 double vs_driven_mains_turn(const vs_driven *driven, bool disturbed, double most_s);
-
-#endif

@@ -5,8 +5,7 @@
  *
  * A new kind is a row of the table in one of the four files of kinds (generators.c, disturbances.c,
  * pulses.c, faults.c) and nothing else; a fifth such file is one row of the table in events.c. */
-#ifndef VS_ENGINE_EVENTS_H
-#define VS_ENGINE_EVENTS_H
+#pragma once
 
 #include "base/error.h"
 #include "engine/timeline.h"
@@ -37,5 +36,3 @@ double vs_events_edge(const vs_events *events, double t_s);
 
 /* The longest step from t on that all events allow, s; INFINITY: any. */
 double vs_events_longest(const vs_events *events, double t_s);
-
-#endif

@@ -5,8 +5,7 @@
  * The angle is firing.angle; or what that is over time, at the instant at which the cycle begins;
  * or what a control decides then. Before, a decision is not known, and a tier must end a step at
  * that instant. */
-#ifndef VS_ENGINE_FIRING_H
-#define VS_ENGINE_FIRING_H
+#pragma once
 
 #include "engine/timeline.h"
 
@@ -27,5 +26,3 @@ double vs_firing_known_s(const vs_timeline *timeline);
 
 /* The least and the largest angle that a firing of the run may have, rad. */
 void vs_firing_range(const vs_timeline *timeline, double range[2]);
-
-#endif

@@ -4,8 +4,7 @@
  *
  * A pulse is there from behind its leading edge up to its trailing edge, so that a step that ends
  * on an edge still sees what was before it. */
-#ifndef VS_ENGINE_GATE_H
-#define VS_ENGINE_GATE_H
+#pragma once
 
 #include "engine/timeline.h"
 
@@ -39,5 +38,3 @@ double vs_gate_burst_edge(const vs_timeline *timeline, double shift_rad, double 
 /* The first instant at or after t at which a pulse of the train meets forward mains voltage, events
  * left aside; INFINITY: never. With events: vs_wave_conduction. */
 double vs_gate_next_conduction(const vs_timeline *timeline, double t_s);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How finely the circuit tier lets its solver go, for the error that the scene wants. */
-#ifndef VS_ENGINE_PACE_H
-#define VS_ENGINE_PACE_H
+#pragma once
 
 #include "engine/sim.h"
 
@@ -20,5 +19,3 @@ vs_pace vs_pace_of(const vs_setup *setup);
 /* The longest step, s, that the circuit tier takes of a scene whose stop is not met: the scene's
  * own run.max_step, or what follows from its tolerance. */
 double vs_pace_largest_step(const vs_setup *setup);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The machine's free motion, exactly: without a force and outside of its stop x' = A x, and so
  * x(t + h) = exp(A h) x(t) for x = (q, q'). */
-#ifndef VS_ENGINE_PROPAGATOR_H
-#define VS_ENGINE_PROPAGATOR_H
+#pragma once
 
 #include "plant/mechanics.h"
 
@@ -39,5 +38,3 @@ void vs_propagator_step(const vs_propagator *propagator, const double *x, double
 /* Gives the state y, that many whole steps after the state x, which is another array. */
 void vs_propagator_leap(const vs_propagator *propagator, double count, const double *x,
                         double *restrict y);
-
-#endif

@@ -14,8 +14,7 @@
  * A flank of the carrier is half of its period. Flank k, a whole number, lasts from k/(2 f) to
  * (k + 1)/(2 f), with f the carrier's frequency; the carrier rises on even flanks. As the reference
  * changes more slowly than the carrier, they meet exactly once on each flank. */
-#ifndef VS_ENGINE_PWM_H
-#define VS_ENGINE_PWM_H
+#pragma once
 
 #include "base/error.h"
 #include "base/field.h"
@@ -60,5 +59,3 @@ double vs_pwm_crossing(const vs_pwm_values *pwm, double shift_rad, double k);
 /* Writes what is to be said where the dead time leaves out pulses of the upper switch, or of the
  * lower one. False: it leaves out none. */
 bool vs_pwm_drops(const vs_pwm_values *pwm, bool low, char *text, size_t size);
-
-#endif

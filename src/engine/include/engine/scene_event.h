@@ -4,8 +4,7 @@
  * that has all that belongs to such events. Kinds are defined in generators.c, disturbances.c,
  * pulses.c and faults.c, each file with a table of its own; nothing else asks which kind an event
  * is of. */
-#ifndef VS_ENGINE_SCENE_EVENT_H
-#define VS_ENGINE_SCENE_EVENT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -179,5 +178,3 @@ bool vs_scene_event_at_gate(const vs_scene_event *e, double shift_rad);
 
 /* A table of fields as the members fields and n_fields of a kind. */
 #define VS_EVENT_KEYS(rows) .fields = rows, .n_fields = sizeof rows / sizeof *rows
-
-#endif

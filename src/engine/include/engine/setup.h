@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * One scene as numbers: machine, mains, deck, and the sections `run`, `start` and `measure`. */
-#ifndef VS_ENGINE_SETUP_H
-#define VS_ENGINE_SETUP_H
+#pragma once
 
 #include "engine/channel.h"
 #include "engine/cooling.h"
@@ -187,5 +186,3 @@ double vs_setup_jams(const vs_setup *setup);
 
 /* When an event cuts the coil off from the deck first, s; INFINITY: none does. */
 double vs_setup_coil_cut(const vs_setup *setup);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The signals that drive the circuit's sources (netlist/port.h), over time. */
-#ifndef VS_ENGINE_SIGNALS_H
-#define VS_ENGINE_SIGNALS_H
+#pragma once
 
 #include "engine/timeline.h"
 #include "netlist/port.h"
@@ -39,5 +38,3 @@ double vs_signals_near(const vs_timeline *timeline, double t_s);
  * is this signal's own. It is to be set to {0} where events or the timeline have changed. */
 double vs_signals_voltage_cached(vs_signals_cache *cache, const vs_timeline *timeline,
                                  const vs_signal *signal, double t_s);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A sim lets time pass for a scene through one tier, and shows every accepted step to an observer.
  * This is the seam between the tiers (ideal/, coupled/) and those who run them (run/). */
-#ifndef VS_ENGINE_SIM_H
-#define VS_ENGINE_SIM_H
+#pragma once
 
 #include <signal.h>
 #include <stdio.h>
@@ -183,5 +182,3 @@ vs_status vs_sim_run(const vs_tier *tier, const vs_setup *setup, const vs_run_or
 /* Why no run of this setup may leave the circuit's solver for what may stand in for it, as the user
  * is told; NULL: one may, or the order has nothing that stands in. */
 const char *vs_sim_why_stays(const vs_run_order *order, const vs_setup *setup);
-
-#endif

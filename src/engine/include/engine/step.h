@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * One accepted step, as a watcher is shown it: the states at its two ends (knots), the channels
  * anywhere between them, and what happened on the way. */
-#ifndef VS_ENGINE_STEP_H
-#define VS_ENGINE_STEP_H
+#pragma once
 
 #include "base/error.h"
 #include "engine/channel.h"
@@ -96,6 +95,9 @@ void vs_step_psi_at(const vs_step *step, double t_s, double psi[VS_MOST_RUNGS]);
 vs_law_rates vs_step_coil_rates(const vs_frame *frame, const vs_knot *knot);
 /* True if there is no flux anywhere in the step, and so neither current nor force. */
 bool vs_step_is_quiet(const vs_step *step);
+/* In how many parts to look for turns, where a step of half a radian of the fastest mode is to have
+ * `most`, and any at least `least`. */
+int vs_step_parts(const vs_step *step, int least, int most);
 
 /* The knots between which terms run straight: the k-th such piece, of step->parts + 1. */
 typedef struct vs_piece {
@@ -140,5 +142,3 @@ double vs_step_curve_value(const vs_curve *curve, double s);
 /* The root of a curve that changes its sign once, from > 0 to < 0. What rounding makes of a curve
  * of degree 13 moves the root by 1e-11. */
 double vs_step_curve_root(vs_curve curve);
-
-#endif

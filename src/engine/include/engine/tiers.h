@@ -3,8 +3,7 @@
  * (engine/setup.h) puts it into this table, into the choices of run.tier and into what --tier
  * takes.
  */
-#ifndef VS_ENGINE_TIERS_H
-#define VS_ENGINE_TIERS_H
+#pragma once
 
 #include "engine/sim.h"
 
@@ -34,8 +33,10 @@ vs_status vs_tiers_require_orbits(const char *who, const vs_tier *tier, const ch
 #define VS_TIER_WORDS "auto" VS_TIER_LIST(VS_TIER_WORD)
 extern const char vs_tiers_words[];
 
+/* How the message of a run begins whose coil carries a current at its deck's operating point: it
+ * cannot begin because of what its circuit is made of. */
+extern const char vs_tiers_on_at_rest[];
+
 /* What a run of the product has: ngspice for its solver, the one-port
  * (engine/macromodel/oneport_macromodel.c) for its macromodel, no rawfile. */
 extern const vs_run_order vs_tiers_order;
-
-#endif

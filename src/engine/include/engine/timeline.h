@@ -7,8 +7,7 @@
  * are added to the angle of the undisturbed sine. Then harmonics, at the phase of that sine, are
  * added to its voltage. Then the sum is multiplied by each factor, those of sags, swells,
  * interruptions and notches. So there is no voltage within an interruption. */
-#ifndef VS_ENGINE_TIMELINE_H
-#define VS_ENGINE_TIMELINE_H
+#pragma once
 
 #include "base/error.h"
 #include "base/section_cache.h"
@@ -63,5 +62,3 @@ double vs_timeline_phase(const vs_timeline *timeline, double t_s);
  * make of the mains at t. Harmonics, the stage between, depend on the angle too and are not asked
  * for so. */
 double vs_timeline_stage(const vs_timeline *timeline, vs_mains_stage stage, double t_s);
-
-#endif

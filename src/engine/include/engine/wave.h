@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The mains between two edges of the events, as a sum of few sines, or direct voltage: what
  * vs_timeline_voltage gives for one instant, for those who need derivatives and zeros. */
-#ifndef VS_ENGINE_WAVE_H
-#define VS_ENGINE_WAVE_H
+#pragma once
 
 #include "engine/timeline.h"
 
@@ -45,5 +44,3 @@ double vs_wave_conduction(const vs_timeline *timeline, double t_s, double until_
  * delay only: at another gate mains of either sign count. */
 double vs_wave_chance(const vs_timeline *timeline, double shift_rad, double above_v,
                       double until_s);
-
-#endif

@@ -8,8 +8,7 @@
  *
  * An unknown on a bound has no standard error. It counts as held: the errors of the others are
  * those that they have while it stays there. */
-#ifndef VS_FIT_ESTIMATE_H
-#define VS_FIT_ESTIMATE_H
+#pragma once
 
 #include "fit/minimizations.h"
 
@@ -56,5 +55,3 @@ bool vs_estimate_fits(const vs_estimate *estimate);
 
 /* The correlation of two unknowns; NaN where one is on a bound. */
 double vs_estimate_correlation(const vs_estimate *estimate, size_t i, size_t k);
-
-#endif

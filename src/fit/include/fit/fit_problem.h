@@ -26,8 +26,7 @@
  *   (computed/measured - 1)/sigma        sigma is a share, residual: difference
  *   (computed - measured)/sigma          sigma is an amount
  */
-#ifndef VS_FIT_FIT_PROBLEM_H
-#define VS_FIT_FIT_PROBLEM_H
+#pragma once
 
 #include "fit/recording.h"
 #include "fit/targets.h"
@@ -104,5 +103,3 @@ size_t vs_fit_problem_residuals(const vs_fit_problem *inquiry);
 const char *vs_fit_problem_name(const vs_fit_problem *inquiry, const vs_datum *datum);
 /* The unit of its kind. */
 const char *vs_fit_problem_unit(const vs_fit_problem *inquiry, const vs_datum *datum);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Everything that a fit came to. */
-#ifndef VS_FIT_FIT_RESULT_H
-#define VS_FIT_FIT_RESULT_H
+#pragma once
 
 #include "fit/estimate.h"
 #include "fit/residual_tests.h"
@@ -51,5 +50,3 @@ typedef struct vs_fit_result {
  * even then. */
 vs_status vs_fit_result_of(const vs_fit_problem *inquiry, vs_fit_result *outcome, vs_error *err);
 void vs_fit_result_free(vs_fit_result *outcome);
-
-#endif

@@ -2,8 +2,7 @@
  * The way down to the least sum of squares, chi2, by GSL's trust region (gsl_multifit_nlinear,
  * Levenberg and Marquardt's step, solved by singular values), from one start or from several. It
  * works in the unknowns' coordinate t, in which no step leaves the bounds (fit/unknown.h). */
-#ifndef VS_FIT_MINIMIZATIONS_H
-#define VS_FIT_MINIMIZATIONS_H
+#pragma once
 
 #include "fit/prediction.h"
 
@@ -54,5 +53,3 @@ vs_status vs_minimizations_search(vs_minimizer *descender, vs_minimizations *des
 vs_status vs_minimizations_spent(const vs_minimizer *descender, const vs_minimizations *descents,
                                  const char *stage, vs_error *err);
 void vs_minimizations_free(vs_minimizations *descents);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the model says in the place of each datum, and how far off that is. */
-#ifndef VS_FIT_PREDICTION_H
-#define VS_FIT_PREDICTION_H
+#pragma once
 
 #include "fit/fit_problem.h"
 
@@ -52,5 +51,3 @@ void vs_prediction_residuals(const vs_prediction *prediction, const double *s,
 /* Error, with its place, where a logarithm is asked for of numbers of unlike signs. */
 vs_status vs_prediction_check_signs(const vs_prediction *prediction, const double *computed,
                                     vs_error *err);
-
-#endif

@@ -5,8 +5,7 @@
  * An instrument shows a sample until it takes the next one, at 0, 1/rate, 2/rate, ... A row at
  * another instant either shows the sample before (`rows: held`, as the program's own run.csv does),
  * or its time is the instant of a sample that was taken there (`rows: taken`). */
-#ifndef VS_FIT_RECORDING_H
-#define VS_FIT_RECORDING_H
+#pragma once
 
 #include "base/csv.h"
 #include "run/scene.h"
@@ -85,5 +84,3 @@ vs_status vs_recording_file(char path[VS_PATH_SIZE], const char *key, const vs_n
                             const char *beside, vs_error *err);
 double vs_recording_factor(const char *cell, const char *name, const char *unit, bool *named);
 vs_status vs_recording_number(const vs_csv *csv, size_t cell, double *value, vs_error *err);
-
-#endif

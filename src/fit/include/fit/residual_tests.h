@@ -12,8 +12,7 @@
  * - Durbin and Watson: d = sum (e_t - e_(t-1))^2/sum e_t^2, 2 where neighbours are independent
  *   (Testing for serial correlation in least squares regression I, Biometrika 37 (1950) 409-428).
  */
-#ifndef VS_FIT_RESIDUAL_TESTS_H
-#define VS_FIT_RESIDUAL_TESTS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -32,5 +31,3 @@ typedef struct vs_residual_tests {
 
 /* Tests residual[count], in the order of time. Fewer than 20 are too few for the two tests. */
 vs_residual_tests vs_residual_tests_of(const double *residual, size_t count);
-
-#endif

@@ -10,8 +10,7 @@
  * Or it is the coil's impedance at a frequency, with the armature at rest, or what the maker's
  * sheet says of the iron's losses, from a CSV file.
  */
-#ifndef VS_FIT_TARGETS_H
-#define VS_FIT_TARGETS_H
+#pragma once
 
 #include "orbit/measured.h"
 
@@ -67,5 +66,3 @@ vs_status vs_target_computed(const vs_target *aim, const vs_scene *scene,
 
 /* Adds a line for each measure of the machine at rest, for --help. */
 void vs_target_explain(vs_text *help);
-
-#endif

@@ -13,8 +13,7 @@
  *
  * so that no step leaves the bounds. The transformation is that of MINUIT (James and Roos, Computer
  * Physics Communications 10 (1975) 343). */
-#ifndef VS_FIT_UNKNOWN_H
-#define VS_FIT_UNKNOWN_H
+#pragma once
 
 #include "run/axis.h"
 
@@ -58,5 +57,3 @@ void vs_unknown_put(const vs_unknown *unknown, double s, vs_tree *tree);
  * which; *error is the share, or the amount in SI. Errors: it is neither; it is not positive. */
 vs_status vs_unknown_error(const vs_node *node, const char *what, const char *unit, double *error,
                            bool *relative, vs_error *err);
-
-#endif

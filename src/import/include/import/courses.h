@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The course of a source over time, from its line: SIN, PULSE or PWL. */
-#ifndef VS_IMPORT_COURSES_H
-#define VS_IMPORT_COURSES_H
+#pragma once
 
 #include "import/elements.h"
 
@@ -37,5 +36,3 @@ vs_status vs_course_read_pulse(const vs_elements *wiring, const vs_values *value
 /* True for a source that is 0 at t = 0, as far as can be told before a run. */
 bool vs_course_begins_at_0(const vs_elements *wiring, const vs_values *values,
                            const vs_element *source);
-
-#endif

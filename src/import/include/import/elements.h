@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The elements of a netlist outside of subcircuits, and the nodes between them. */
-#ifndef VS_IMPORT_ELEMENTS_H
-#define VS_IMPORT_ELEMENTS_H
+#pragma once
 
 #include "base/names.h"
 #include "base/text.h"
@@ -88,5 +87,3 @@ void vs_elements_rename(const vs_elements *wiring, const char *text, vs_text *ou
 
 /* True where an element or node of the deck has this name. */
 bool vs_elements_is_taken(const vs_elements *wiring, const char *name);
-
-#endif

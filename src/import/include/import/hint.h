@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What makes a circuit slow or hard to solve; for the command `check`. */
-#ifndef VS_IMPORT_HINT_H
-#define VS_IMPORT_HINT_H
+#pragma once
 
 #include "run/findings.h"
 
@@ -13,5 +12,3 @@ void vs_hint_look(const vs_check_options *options, const vs_deck *deck, vs_check
  * each cycle. Errors: the scene cannot be read; no process can be started. */
 vs_status vs_hint_try(const vs_check_options *options, bool is_deck, vs_check_bench *bench,
                       vs_error *err);
-
-#endif

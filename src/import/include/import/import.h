@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `import`: makes a deck of a SPICE netlist that LTspice, KiCad, PSpice or a person
  * wrote. */
-#ifndef VS_IMPORT_IMPORT_H
-#define VS_IMPORT_IMPORT_H
+#pragma once
 
 #include "import/roles.h"
 
@@ -22,5 +21,3 @@ typedef struct vs_import_options {
  * each open question with its place in the netlist and the option that answers it, writes nothing,
  * and returns VS_INPUT with an empty err. */
 vs_status vs_import_command(const vs_import_options *options, vs_error *err);
-
-#endif

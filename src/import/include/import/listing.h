@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A netlist as LTspice, KiCad, PSpice or a person wrote it: its lines, with continued ones joined,
  * and those of the files that it includes. Here only the kind of a line is understood. */
-#ifndef VS_IMPORT_LISTING_H
-#define VS_IMPORT_LISTING_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -59,5 +58,3 @@ vs_where vs_listing_place(const vs_card *card, const char *at);
 
 /* True where the card's first word is this one, ignoring case. */
 bool vs_listing_is(const vs_card *card, const char *word);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The roles of a netlist's elements: which source is the mains, which ones fire thyristors, which
  * branch is the coil of the EVA (the electromagnetic vibratory actuator). */
-#ifndef VS_IMPORT_ROLES_H
-#define VS_IMPORT_ROLES_H
+#pragma once
 
 #include "import/courses.h"
 
@@ -56,5 +55,3 @@ vs_status vs_roles_find(const vs_elements *wiring, const vs_values *values,
 
 /* The index of the gate that this source is; -1: it is no gate. */
 int vs_roles_gate_of(const vs_roles *roles, const vs_element *source);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Numbers and expressions in a netlist, and its .param lines. */
-#ifndef VS_IMPORT_VALUES_H
-#define VS_IMPORT_VALUES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -45,5 +44,3 @@ bool vs_values_of(const vs_values *values, vs_word text, double *value);
 
 /* The parameter of that name, ignoring case; NULL: there is none. */
 const vs_value_param *vs_values_find(const vs_values *values, const char *name);
-
-#endif

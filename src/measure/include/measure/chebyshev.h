@@ -3,8 +3,7 @@
  * an argument that runs from -1 at the part's beginning to 1 at its end. It goes through the
  * channel at seven instants. As |T_k| <= 1, it never leaves a[0] by more than the sum of the other
  * sizes. */
-#ifndef VS_MEASURE_CHEBYSHEV_H
-#define VS_MEASURE_CHEBYSHEV_H
+#pragma once
 
 #include "engine/step.h"
 #include "measure/lowpass.h"
@@ -27,5 +26,3 @@ double vs_chebyshev_error(const vs_chebyshev *chunk);
 
 /* The same polynomial as the sum of u[k] s^k, with s from 0 at the part's beginning to 1. */
 void vs_chebyshev_powers(const vs_chebyshev *chunk, double u[VS_LOWPASS_TERMS]);
-
-#endif

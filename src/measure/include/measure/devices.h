@@ -5,8 +5,7 @@
  *
  * Between two knots the deck's terms lie on straight lines, as the probes do. So extremes are at
  * knots, and Simpson's rule integrates a voltage times a current exactly. */
-#ifndef VS_MEASURE_DEVICES_H
-#define VS_MEASURE_DEVICES_H
+#pragma once
 
 #include "engine/batch.h"
 #include "measure/reducer.h"
@@ -61,5 +60,3 @@ bool vs_devices_fails_to_clear(const vs_devices *devices, size_t which, char *te
  * has both wrong, or stands the wrong way round, as a Zener diode does that conducts forwards alone.
  * whole_j: the energy of the run, against which a small one says nothing. */
 bool vs_devices_sign_is_wrong(const vs_watched *w, double whole_j, char *text, size_t size);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Watcher that keeps the books of energy. Every term is integrated on its own, so that a balance
  * that does not close shows an error. */
-#ifndef VS_MEASURE_ENERGY_H
-#define VS_MEASURE_ENERGY_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -103,5 +102,3 @@ double vs_energy_whole(const vs_energy *energy);
  * which balance does not, and returns it. A balance may leave VS_ENERGY_ALLOWED times the tolerance
  * of vs_energy_whole. */
 const char *vs_energy_open(const vs_energy *energy, double tolerance, char *buffer, size_t size);
-
-#endif

@@ -9,8 +9,7 @@
  * An entry of `expect` may be a criterion of acceptance: what may happen to all devices and does
  * not have to. Under B and C the limits that tell whether a device fires as it should (of its rates
  * of rise, of its time to turn off) are waived, as nothing is destroyed by passing them. */
-#ifndef VS_MEASURE_EXPECT_H
-#define VS_MEASURE_EXPECT_H
+#pragma once
 
 #include "base/tree.h"
 #include "measure/devices.h"
@@ -81,5 +80,3 @@ bool vs_expect_waives(const vs_expects *expects, const vs_device *device,
                       const vs_device_measure *measure);
 /* The same of a limit of the device's part that no measure is held to. */
 bool vs_expect_waives_limit(const vs_expects *expects, const vs_device *device, const char *limit);
-
-#endif

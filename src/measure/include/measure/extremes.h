@@ -12,8 +12,7 @@
  * values, and a step is cut until that polynomial fits to 1e-12 of the step's largest value. At a
  * corner of the law or of a stop's force the extreme is off by what the channel changes in a
  * thousand millionth of the step. */
-#ifndef VS_MEASURE_EXTREMES_H
-#define VS_MEASURE_EXTREMES_H
+#pragma once
 
 #include <float.h>
 #include <math.h>
@@ -71,5 +70,3 @@ void vs_extreme_follow_any(vs_extreme *extreme, const vs_step *step);
 /* Finds where the travel turns in a step whose ends have velocities of unlike signs. Returns false
  * and leaves `turn` as it is where they have not. */
 bool vs_extreme_turn_of_travel(const vs_step *step, vs_value *turn);
-
-#endif

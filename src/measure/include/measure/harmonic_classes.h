@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The classes of apparatus by which IEC 61000-3-2 limits the harmonics of the mains current. Which
  * class holds is a matter of what the apparatus is: so each is told. */
-#ifndef VS_MEASURE_HARMONIC_CLASSES_H
-#define VS_MEASURE_HARMONIC_CLASSES_H
+#pragma once
 
 #include "measure/spectrum.h"
 
@@ -27,5 +26,3 @@ extern const vs_harmonic_class vs_harmonic_classes_all[];
  * not known what is to be held against limits (vs_spectrum_judged). */
 int vs_harmonic_classes_worst(const vs_harmonic_class *of, const vs_drawn_current *drawn,
                               double *part);
-
-#endif

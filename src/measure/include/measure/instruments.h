@@ -9,8 +9,7 @@
  * {NAME: {...}, ...}}. A machine's file may name one, or have such a map, under its key
  * `instruments`: that is the machine's own set. What the scene says of a NAME of the set is put
  * over what the set says; `NAME: none` leaves it out. */
-#ifndef VS_MEASURE_INSTRUMENTS_H
-#define VS_MEASURE_INSTRUMENTS_H
+#pragma once
 
 #include "base/field.h"
 #include "base/path.h"
@@ -97,5 +96,3 @@ double vs_instruments_working_hz(const vs_setup *setup);
  * that fast parts of a signal show as slow ones. Returns the first of them; NULL: there is none. */
 const vs_instrument *vs_instruments_alias(const vs_instruments *instruments, char *text,
                                           size_t size);
-
-#endif

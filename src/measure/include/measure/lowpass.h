@@ -6,8 +6,7 @@
  *   second order:   y" = w^2 (u - y) - 2 zeta w y'
  *
  * The state is x = (y, y'/w), so that x' = A x + w b u with A = w M and b = (1, 0) or (0, 1). */
-#ifndef VS_MEASURE_LOWPASS_H
-#define VS_MEASURE_LOWPASS_H
+#pragma once
 
 /* Highest power of time in an input, and how many coefficients that makes. */
 enum { VS_LOWPASS_DEGREE = 6, VS_LOWPASS_TERMS = VS_LOWPASS_DEGREE + 1 };
@@ -44,5 +43,3 @@ void vs_lowpass_response(const vs_lowpass *lowpass, double frequency_hz, double 
 /* How long it takes, s, until about this part of an earlier input is left; 0 without a low-pass.
  * For tests. */
 double vs_lowpass_settling(const vs_lowpass *lowpass, double part);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Watcher that reduces a run to its measures while it goes on. Extremes (extremes.h) and
  * crossings are found by root-finding on the dense output, not by the largest sample. */
-#ifndef VS_MEASURE_MEASURES_H
-#define VS_MEASURE_MEASURES_H
+#pragma once
 
 #include <gsl/gsl_roots.h>
 #include <stdbool.h>
@@ -165,5 +164,3 @@ extern const double vs_measures_ripple;
 
 /* Gives the values of all measures but the energies, values[VS_MEASURES]. */
 void vs_measures_finish(const vs_measures *measures, vs_value values[VS_MEASURES]);
-
-#endif

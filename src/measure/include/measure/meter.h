@@ -15,8 +15,7 @@
  * A meter is a plain struct, and a copy made by `=` goes on by itself. What it shows follows from
  * the steps, its own keys, its name and the seed alone: neither other instruments nor whoever asks
  * it at which instants change a bit of it. */
-#ifndef VS_MEASURE_METER_H
-#define VS_MEASURE_METER_H
+#pragma once
 
 #include "engine/sim.h"
 #include "engine/step.h"
@@ -81,5 +80,3 @@ typedef struct vs_meter_pilot {
 /* Begins the meters anew, with low-passes at 0. Not to be moved; owns nothing. */
 void vs_meter_pilot_begin(vs_meter_pilot *metered, vs_orbit_search *steers,
                           vs_instruments *instruments, vs_meter *meters);
-
-#endif

@@ -7,8 +7,7 @@
  * They are taken over the stretch of time that means are over (the scene's `measure`), which must
  * be whole cycles. A current is taken apart into harmonics as in measure/spectrum.h, on the dense
  * output of each step. */
-#ifndef VS_MEASURE_QUALITY_H
-#define VS_MEASURE_QUALITY_H
+#pragma once
 
 #include "engine/setup.h"
 #include "measure/extremes.h"
@@ -50,8 +49,6 @@ typedef struct vs_quality {
   double voltage_squared; /* int v^2 dt, V^2 s */
   double energy_j;        /* int v i dt */
   double ends_squared[2]; /* int i^2 dt over the first and the last `half` cycles, A^2 s */
-  gsl_integration_glfixed_table *short_rule; /* for steps over which the harmonics hardly turn;
-                                                owned */
 } vs_quality;
 
 /* setup: of the run, whose means and firings it follows. */
@@ -89,5 +86,3 @@ bool vs_quality_warning(const vs_quality *quality, const vs_setup *setup, char *
 double vs_quality_displacement(const double current[2], const double voltage[2]);
 /* Total harmonic current: the root of the sum of the squares of harmonics 2 to 40, A rms. */
 double vs_quality_thc(const vs_spectrum *current);
-
-#endif

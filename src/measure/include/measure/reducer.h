@@ -2,8 +2,7 @@
  * What a reduction is: how the courses of a device (its voltage, its current, ...) become one
  * number. A reduction sees its device step by step and keeps what it must remember in a state of
  * its own. The table of all reductions is in measure/devices/reductions.h. */
-#ifndef VS_MEASURE_REDUCER_H
-#define VS_MEASURE_REDUCER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -100,7 +99,7 @@ typedef struct vs_reduced {
   const char *note;     /* of t_case: why it stays at the ambient, as "over less than 1 s"; NULL: it
                            does not, or the value is of anything else */
   bool mean;            /* of t_j: it is the mean, as the part has no lines zth */
-  bool assumed;         /* no source says one of the part's figures that the value is made of */
+  unsigned unsure;      /* of the part's figures that the value is made of */
   void *state;          /* the reduction's own, of by->state_size bytes; owned */
 } vs_reduced;
 
@@ -230,5 +229,3 @@ const vs_reduced *vs_reducer_of(const vs_watched *w, vs_reduction how);
 void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s);
 /* An `is_busy` of a measure that is followed only where it has a limit. */
 bool vs_reducer_has_limit(const vs_watched *w, const vs_reduced *r);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The largest rate of a course over a window. */
-#ifndef VS_MEASURE_SLOPE_H
-#define VS_MEASURE_SLOPE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -26,4 +25,23 @@ typedef struct vs_slope {
  * Returns -INFINITY while the course is not a window long yet, and for a step of no length. */
 double vs_slope_rate(vs_slope *slope, double t0_s, double y0, double t1_s, double y1, int sense);
 
-#endif
+/* ---- the fall of a current to its zero ---- */
+
+/* What a conduction leaves in a device hangs on its current in about so long before the zero, s: a
+ * carrier lives for tens of microseconds. No source says the number (assumed). */
+extern const double vs_slope_fall_s;
+
+/* Knots of the current that falls, the oldest first. */
+enum { VS_FALL_KNOTS = 8 };
+typedef struct vs_fall_knot {
+  double t_s, i_a;
+} vs_fall_knot;
+typedef struct vs_fall {
+  int count;
+  vs_fall_knot at[VS_FALL_KNOTS];
+} vs_fall;
+
+/* Keeps the current as it was, a knot for each quarter of vs_slope_fall_s. */
+void vs_slope_keep_fall(vs_fall *fall, double t_s, double i_a);
+/* The mean rate over vs_slope_fall_s up to the zero; 0: the conduction is shorter. */
+double vs_slope_fall(const vs_fall *fall, double zero_s);

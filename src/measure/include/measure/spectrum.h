@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Watcher that takes the current drawn from the mains apart into harmonics of the mains. The
  * integrals are taken on the dense output of each step, so that no sampling limits them. */
-#ifndef VS_MEASURE_SPECTRUM_H
-#define VS_MEASURE_SPECTRUM_H
+#pragma once
 
 #include <gsl/gsl_integration.h>
 
@@ -53,8 +52,8 @@ typedef struct vs_spectrum {
   double span_s;                                             /* what was taken in so far */
   double cosine[VS_SPECTRUM_LINES], sine[VS_SPECTRUM_LINES]; /* int i cos(n w t) dt, A s */
   double squared;                                            /* int i^2 dt, A^2 s */
-  vs_grouping grouping;                /* of a current that takes several cycles to repeat */
-  gsl_integration_glfixed_table *rule; /* owned */
+  vs_grouping grouping;                   /* of a current that takes several cycles to repeat */
+  gsl_integration_glfixed_table *rule[2]; /* owned; the other for what is short */
 } vs_spectrum;
 
 void vs_spectrum_begin(vs_spectrum *spectrum, double omega_rad_s);
@@ -66,6 +65,10 @@ void vs_spectrum_begin_groups(vs_spectrum *spectrum, double from_s, int cycles, 
 /* Adds a point of a current, A, to the integrals: weight_s is its share of the time. Whoever adds
  * points adds their time to span_s, too. */
 void vs_spectrum_add(vs_spectrum *spectrum, double t_s, double weight_s, double current);
+
+/* In how many pieces a stretch of that length is to be integrated, within one step, and by which
+ * rule each of them. */
+int vs_spectrum_pieces(const vs_spectrum *s, double length_s, gsl_integration_glfixed_table **rule);
 
 /* Takes one accepted step. */
 void vs_spectrum_accept(vs_spectrum *spectrum, const vs_step *step);
@@ -90,5 +93,3 @@ double vs_spectrum_limit(int n);
 double vs_spectrum_cut(const vs_spectrum *spectrum, double t_s);
 /* How many windows the groups are the mean of. */
 int vs_spectrum_windows(const vs_spectrum *spectrum);
-
-#endif

@@ -36,15 +36,15 @@
  * once; and a triac that then conducts without a gate pulse has failed to commutate. Of a triac
  * there is also:
  *   (di/dt)c  mean rate at which the current falls from a tenth of its peak to zero, or over the
- *             last 50 us if it falls more steeply then
+ *             last 50 us (assumed) if it falls more steeply then; where forward voltage comes back
+ *             within ten t_q (1.5 ms where that is not known), or the device fires by itself
  *   (dv/dt)c  the same as dv/dt, of each rise up to ten t_q behind a conduction (1.5 ms where t_q
  *             is not known). A rise that is less than over_v, but 10 V or more and higher than
  *             those before it, is told by four fifths of it
  *
  * A current of the new half cycle that is there as the voltage turns is what the conduction has
  * stored, and no firing, for as long as engine/conduction.h says. */
-#ifndef VS_MEASURE_SWITCHING_H
-#define VS_MEASURE_SWITCHING_H
+#pragma once
 
 #include "engine/batch.h"
 #include "engine/conduction.h"
@@ -186,16 +186,6 @@ typedef struct vs_switch_news {
   double fired_rate, fired_over_v, fired_v;
 } vs_switch_news;
 
-/* Knots of the current that falls, the oldest first. */
-enum { VS_FALL_KNOTS = 8 };
-typedef struct vs_fall_knot {
-  double t_s, i_a;
-} vs_fall_knot;
-typedef struct vs_fall {
-  int count;
-  vs_fall_knot at[VS_FALL_KNOTS];
-} vs_fall;
-
 typedef struct vs_switch {
   vs_gate_watch gate;
   bool both_ways; /* it conducts either way */
@@ -209,6 +199,8 @@ typedef struct vs_switch {
   double rose_s;      /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */
   double tenth_s;     /* since when the current is below a tenth of its peak; NaN: it is not */
   vs_fall fall;       /* of a device that conducts both ways */
+  vs_value fell;      /* how the last conduction ended, as long as it is not told: (di/dt)c */
+  bool fell_last;     /* of that the rate over vs_slope_fall_s */
   bool commutates;    /* it blocks, and a conduction's charge may still be there */
   double returned_v;  /* how high the highest rise since then was that was told */
   bool latched;       /* the last conduction went on without its gate */
@@ -239,5 +231,7 @@ void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *
 /* Fills `news` with what the last step told of a rise, which no further step follows; the same at
  * each call. */
 void vs_switching_finish(vs_switch *s, vs_switch_news *news);
-
-#endif
+/* True where the run ends so soon behind the return of forward voltage that a commutation failure
+ * would not be seen: within t_q (150 us where that is not known), before which the device had less
+ * than its turn-off time to rest. */
+bool vs_switching_may_fail(const vs_switch *s, double now_s);

@@ -9,8 +9,7 @@
  * 1/G and lands where the trough is again:
  *   G^2 = 1 + ((cos x - 1 + x^2/2)/(x - sin x))^2,   v = g n^2 cot(beta)/(2 f).
  * n = 1 belongs to G = sqrt(1 + pi^2) = 3.297, beyond which the flight is longer than a swing. */
-#ifndef VS_MEASURE_THROW_H
-#define VS_MEASURE_THROW_H
+#pragma once
 
 #include "engine/step.h"
 #include "measure/extremes.h"
@@ -40,5 +39,3 @@ vs_value vs_throw_speed(const vs_throw *thrown);
 
 /* Up to which throw number the conveying speed's formula holds. */
 extern const double vs_throw_most;
-
-#endif

@@ -2,8 +2,7 @@
  * What a verdict could not judge: limits that a data sheet would have and no part states, limits
  * that are stated and nothing is held to, and what was not measured or not for long enough. A
  * verdict stands for no more than its lines; this says what is missing. */
-#ifndef VS_MEASURE_UNJUDGED_H
-#define VS_MEASURE_UNJUDGED_H
+#pragma once
 
 #include "measure/verdict.h"
 
@@ -30,5 +29,3 @@ void vs_unjudged_write(const vs_devices *devices, const vs_verdict *verdict, vs_
 
 /* Adds what a deck's parts state and nothing is held to, as "fuse_1.v_rated, ...". */
 void vs_unjudged_write_left(const vs_deck *deck, vs_text *text);
-
-#endif

@@ -2,8 +2,7 @@
  * The verdict on a run: the deck's ratings held against what its probes did, the scene's ratings
  * against what they name, the limits of parts against what was measured of devices, and what
  * happened to devices that must not, unless the scene expects it. */
-#ifndef VS_MEASURE_VERDICT_H
-#define VS_MEASURE_VERDICT_H
+#pragma once
 
 #include "measure/devices.h"
 #include "measure/expect.h"
@@ -54,7 +53,7 @@ typedef struct vs_judgement {
   bool torn;              /* that is another one in a second run: undecided for its sake */
   bool makes_fire;        /* near the limit the device may fire without its gate */
   bool is_rate;           /* the measure is a rate over a short time */
-  bool assumed;           /* no source says the limit, or a figure that the stress is made of */
+  unsigned unsure;        /* of the limit, and of figures that the stress is made of */
   double over_v;      /* of a rate of rise: how far the stretch rises that the stress is the mean
                          rate of; 0: of any other */
   double over_from_s; /* of a mean or rms value: the stress is over the stretch from here to the end
@@ -150,5 +149,3 @@ void vs_verdict_models(const vs_judgement *judgement, vs_text *text);
 const char *vs_verdict_model_name(const vs_model_beside *model, char name[2 * VS_DECK_NAME]);
 /* True for a line of what happened, or did not though the scene expects it. */
 bool vs_verdict_is_happening(const vs_judgement *judgement);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * All watchers of one run. Each accepted step is shown to every one of them; what they have seen is
  * read from their own structs. */
-#ifndef VS_MEASURE_WATCHERS_H
-#define VS_MEASURE_WATCHERS_H
+#pragma once
 
 #include "engine/sim.h"
 #include "measure/devices.h"
@@ -66,5 +65,3 @@ void vs_watchers_finish(vs_watchers *watchers, double until_s, vs_value values[V
  * INFINITY: the losses may be twice as large, or more. */
 double vs_watchers_heat_doubt(const vs_watchers *watchers);
 void vs_watchers_free(vs_watchers *watchers);
-
-#endif

@@ -3,8 +3,7 @@
  * what is defined in each. It is made in one go, in a time proportional to the netlist. All words
  * are borrowed from the lines' texts, so that vs_line_place_of tells where each stands in the
  * user's file. */
-#ifndef VS_NETLIST_CARDS_H
-#define VS_NETLIST_CARDS_H
+#pragma once
 
 #include "base/names.h"
 #include "base/text.h"
@@ -160,5 +159,3 @@ bool vs_cards_expand(const vs_cards *cards, vs_cards_visit *visit, void *ctx);
  * element r1, and what a node is called there, which may be a node further out. */
 void vs_cards_add_name(const vs_instance *in, vs_word name, vs_text *out);
 void vs_cards_add_node(const vs_cards *cards, const vs_instance *in, vs_word node, vs_text *out);
-
-#endif

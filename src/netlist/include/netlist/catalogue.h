@@ -6,10 +6,10 @@
  *
  *   @NAME@, @SUBCKT@   the part's name, as written and in lower case
  *   @COLUMN@           the cell's number
- *   @COLUMN?@          the word assumed where a '?' stands behind the cell's number, else nothing
+ *   @COLUMN?@          the word assumed where a '?' stands behind the cell's number, typical where
+ *                      it is a '~', else nothing
  *   a cell '-'         the source says nothing: lines "*$" that ask for it are left out */
-#ifndef VS_NETLIST_CATALOGUE_H
-#define VS_NETLIST_CATALOGUE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -57,5 +57,3 @@ void vs_catalogue_list(const vs_shelf *shelf, void (*each)(void *ctx, const char
 /* The SHA-256 of a file's contents, or of the lines that a row makes: another row may change
  * without changing it. Error: it cannot be read. */
 vs_status vs_catalogue_hash(const char *path, char text[VS_HASH_TEXT], vs_error *err);
-
-#endif

@@ -3,7 +3,7 @@
  * for comments; the program reads from them what it must know of the netlist.
  *
  *   *$ title  TEXT
- *   *$ param  NAME = VALUE UNIT  MIN..MAX [assumed] "TEXT"
+ *   *$ param  NAME = VALUE UNIT  MIN..MAX [assumed | typical] "TEXT"
  *       becomes .param NAME, and the scene's key circuit.NAME
  *   *$ param  NAME = PART part [KIND] "TEXT"
  *       a part by name: its file, or its row of a table (netlist/catalogue.h), is included, and
@@ -36,8 +36,8 @@
  *             "TEXT"
  *       its voltage and current, and (of a gate drive) its core's flux linkage, V.s. Its measures
  *       are NAME.what, and enter the verdict against the limits of the part of that name
- *       (netlist/kinds.h). PORT: what its gate pulses come from, as gate+ANGLE. A triac that is fired
- *       in both half cycles names two, gate gate+180deg. Where none is named it goes by the deck's
+ *       (netlist/kinds.h). PORT: what its gate pulses come from, as gate+ANGLE. A triac that is
+ * fired in both half cycles names two, gate gate+180deg. Where none is named it goes by the deck's
  *       first gate port, a triac by all of them. A mosfet or an igbt may name the port that drives
  *       it; of these nobody judges whether they obey
  *       protects: what it lets through is held against that device's limit
@@ -50,24 +50,25 @@
  *
  *   *$ part   KIND "TEXT"
  *       thyristor, varistor, fuse, ...
- *   *$ limit  NAME = VALUE UNIT [assumed] "TEXT"
- *       by the names of the field: v_drm, i2t, ...; assumed: no source says it
+ *   *$ limit  NAME = VALUE UNIT [assumed | typical] "TEXT"
+ *       by the names of the field: v_drm, i2t, ...; assumed: no source says it; typical: its source
+ *       guarantees nothing. The lines below may say so, too
  *   *$ limit  NAME = none "TEXT"
  *       an ideal part has none
- *   *$ time_current TIME s CURRENT A [assumed] "TEXT"
+ *   *$ time_current TIME s CURRENT A "TEXT"
  *       of a fuse: its element melts no sooner at that current. One line a point of its curve, from
  *       short to long
- *   *$ derate LIMIT TEMPERATURE degC FACTOR % [assumed] "TEXT"
+ *   *$ derate LIMIT TEMPERATURE degC FACTOR % "TEXT"
  *       what is left of the limit at that ambient temperature; one line a point, from cold to hot
- *   *$ zth    R K/W  TAU s [assumed] "TEXT"
+ *   *$ zth    R K/W  TAU s "TEXT"
  *       a term of its junction's transient thermal impedance, sum of R (1 - exp(-t/TAU)) (a Foster
  *       network)
- *   *$ pulse  WIDTH us  NUMBER  CURRENT A [assumed] "TEXT"
+ *   *$ pulse  WIDTH us  NUMBER  CURRENT A "TEXT"
  *       the peak current it bears in that many pulses of that width (netlist/devices.h)
- *   *$ surge  NUMBER  CURRENT A [assumed] "TEXT"
+ *   *$ surge  NUMBER  CURRENT A "TEXT"
  *       the peak of half sines that it bears once in that many consecutive cycles of the mains,
  *       I_TSM over n cycles; of a triac, of whole sines
- *   *$ at     TEMPERATURE degC  NAME = VALUE UNIT [assumed] "TEXT"
+ *   *$ at     TEMPERATURE degC  NAME = VALUE UNIT "TEXT"
  *       what limit NAME is while the junction is at that temperature; the line `limit` has what it
  *       is at t_j_max
  *   *$ model  FIGURE = DEVIATION % "TEXT"
@@ -76,8 +77,7 @@
  *
  * A FORMULA is as base/formula.h has it. It may name the deck's parameters and the program's:
  * u_rms, f_mains, phase (rad), r_source, l_source. */
-#ifndef VS_NETLIST_CONTRACT_H
-#define VS_NETLIST_CONTRACT_H
+#pragma once
 
 #include "netlist/deck.h"
 
@@ -87,5 +87,3 @@ bool vs_contract_knows(const char *text);
 /* Reads one line of the contract into the deck. `begin` is the place of its "*$" in `line`. Error,
  * with its place: the line cannot be read; deck->lost then has its kind. */
 vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_error *err);
-
-#endif

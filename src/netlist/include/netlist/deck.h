@@ -6,8 +6,7 @@
  *
  * A place (vs_where) in these structs borrows the file's name from vs_deck.files; texts in arrays
  * are the struct's own. */
-#ifndef VS_NETLIST_DECK_H
-#define VS_NETLIST_DECK_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -112,19 +111,27 @@ typedef struct vs_part_file {
   vs_where where;
 } vs_part_file;
 
+/* What a figure lacks, as bits. */
+enum {
+  VS_ASSUMED = 1, /* no source says it */
+  VS_TYPICAL = 2  /* its source calls it typical, and guarantees nothing */
+};
+/* "", "assumed", "typical", "assumed, typical"; and " (assumed)", as a note */
+extern const char *const vs_deck_unsure_words[4], *const vs_deck_unsure_notes[4];
+
 /* A limit that a part's file gives. */
 typedef struct vs_limit {
   char name[VS_DECK_NAME], unit[16], text[VS_DECK_TEXT];
   char written[VS_DECK_NAME + 18]; /* "800 V", "none" */
   double value;                    /* SI; infinite for "none" */
-  bool assumed;                    /* no source says it */
+  unsigned unsure;                 /* VS_ASSUMED, VS_TYPICAL */
   vs_where where;
 } vs_limit;
 
 /* A row of a fuse's time-current curve: a current that its element melts at no sooner than that. */
 typedef struct vs_melting_row {
   double time_s, current_a;
-  bool assumed; /* no source says it */
+  unsigned unsure; /* VS_ASSUMED, VS_TYPICAL */
   vs_where where;
 } vs_melting_row;
 
@@ -132,14 +139,14 @@ typedef struct vs_melting_row {
 typedef struct vs_ambient_row {
   char limit[VS_DECK_NAME];
   double ambient_degc, factor; /* factor: 1 for all of it */
-  bool assumed;                /* no source says it */
+  unsigned unsure;             /* VS_ASSUMED, VS_TYPICAL */
   vs_where where;
 } vs_ambient_row;
 
 /* A term of a part's transient thermal impedance: k_per_w (1 - exp(-t/tau_s)). */
 typedef struct vs_zth {
   double k_per_w, tau_s;
-  bool assumed; /* no source says it */
+  unsigned unsure; /* VS_ASSUMED, VS_TYPICAL */
   vs_where where;
 } vs_zth;
 
@@ -147,7 +154,7 @@ typedef struct vs_zth {
  * that of the rectangle of the same peak and charge. */
 typedef struct vs_derating {
   double width_s, number, current_a;
-  bool assumed; /* no source says it */
+  unsigned unsure; /* VS_ASSUMED, VS_TYPICAL */
   vs_where where;
 } vs_derating;
 
@@ -155,7 +162,7 @@ typedef struct vs_derating {
  * cycles, one of a table. */
 typedef struct vs_surge_row {
   double number, current_a;
-  bool assumed; /* no source says it */
+  unsigned unsure; /* VS_ASSUMED, VS_TYPICAL */
   vs_where where;
 } vs_surge_row;
 
@@ -164,7 +171,7 @@ typedef struct vs_surge_row {
 typedef struct vs_limit_at {
   char name[VS_DECK_NAME]; /* the limit's */
   double at_degc, value;   /* SI */
-  bool assumed;            /* no source says it */
+  unsigned unsure;         /* VS_ASSUMED, VS_TYPICAL */
   vs_where where;
 } vs_limit_at;
 
@@ -180,7 +187,7 @@ typedef struct vs_bound {
   double value;                                 /* the number, in the rating's unit */
   char part[VS_DECK_NAME], limit[VS_DECK_NAME]; /* empty where the end is a number */
   double sign;                                  /* of the limit, +1 or -1 */
-  bool assumed; /* no source says the limit; known once the parts are read */
+  unsigned unsure;                              /* of the limit; known once the parts are read */
 } vs_bound;
 
 /* What a probe may be. */
@@ -281,6 +288,9 @@ typedef struct vs_deck {
   struct vs_cards *cards;     /* the lines taken apart, once somebody asks (vs_deck_cards); owned */
   vs_section section;         /* "circuit": vs_deck_key, then params and parts. It fills a
                                  vs_circuit_values. Fields and their texts are owned. */
+  /* of each param: what its default lacks, VS_ASSUMED or VS_TYPICAL, and what its value does, which
+   * the scene may give */
+  unsigned char unsure[VS_DECK_MOST][2];
   vs_port ports[VS_DECK_MOST];
   size_t n_ports;
   vs_term terms[VS_DECK_MOST];
@@ -380,6 +390,15 @@ vs_status vs_deck_add_field(vs_deck *deck, const vs_field *field, vs_where where
 int vs_deck_add_term(vs_deck *deck, vs_where where, char quantity, const char *first,
                      const char *second);
 
+/* Takes the word assumed or typical, where one of them is next, and returns its bit. */
+unsigned vs_deck_unsure(vs_cursor *c);
+
+/* The first parameter from number *k on, which becomes the next one's, whose value lacks one of
+ * `lack` and that is named in the device's formulas, or in the line of the netlist's element of
+ * that name outside of subcircuits; either may be NULL. NULL: there is none. */
+const char *vs_deck_lacking(const vs_deck *deck, unsigned lack, const vs_device *device,
+                            const char *element, size_t *k);
+
 /* Reads a formula at the cursor; its terms and names are added to the deck. `follow` is a list of
  * the characters that may stand behind it, besides the end of the line. Errors with their place;
  * the formula is empty then. */
@@ -418,5 +437,3 @@ typedef struct vs_deck_value {
  * from `standard`; and each device its mains_v. Error: a name that nobody declared. */
 vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
                        const vs_deck_value *standard, size_t n_standard, vs_error *err);
-
-#endif

@@ -2,8 +2,7 @@
  * The devices of a deck, whose stress is measured: the contract's lines device and zth, and, once
  * the parts are chosen, what each device is and which limits it is held against. What is measured
  * of a device says its kind (netlist/kinds.h). */
-#ifndef VS_NETLIST_DEVICES_H
-#define VS_NETLIST_DEVICES_H
+#pragma once
 
 #include "netlist/deck.h"
 #include "netlist/kinds.h"
@@ -56,9 +55,9 @@ const vs_limit *vs_devices_derated(const vs_deck *deck, const vs_limit *limit, d
 /* The shortest and the longest time of the device's time-current curve, s; false: it has none. */
 bool vs_devices_curve(const vs_deck *deck, const vs_device *device, double span_s[2]);
 /* The current, A, at which the device melts in that time by its curve: a power law between two of
- * its points. NaN outside of it. *assumed: one of the points used is. */
+ * its points. NaN outside of it. *unsure: what those used lack. */
 double vs_devices_melts_at(const vs_deck *deck, const vs_device *device, double time_s,
-                           bool *assumed);
+                           unsigned *unsure);
 
 /* The least current, A, of the part's table of pulses; 0: it has no table. */
 double vs_devices_least_pulse(const vs_deck *deck, const vs_device *device);
@@ -66,15 +65,15 @@ double vs_devices_least_pulse(const vs_deck *deck, const vs_device *device);
 /* The peak current, A, that the device bears in `number` pulses of that width, by its part's table:
  * a power law between two rows of it, of width and of number. A shorter pulse, and a smaller
  * number, than the table has is taken for the least that it has. Returns NaN where the table ends
- * before, or where there is none. *assumed: one of the rows used is. */
+ * before, or where there is none. *unsure: what those used lack. */
 double vs_devices_bears(const vs_deck *deck, const vs_device *device, double width_s, double number,
-                        bool *assumed);
+                        unsigned *unsure);
 
 /* The peak current, A, that the device bears in `number` consecutive cycles, by its part's lines
  * surge: a power law between two of them. Below the least number it is what the part bears in that
- * one. Returns NaN beyond the largest, or where there is none. *assumed: one of those used is. */
+ * one. Returns NaN beyond the largest, or where there is none. *unsure: what those used lack. */
 double vs_devices_bears_surge(const vs_deck *deck, const vs_device *device, double number,
-                              bool *assumed);
+                              unsigned *unsure);
 /* The largest number of cycles in these lines; 0: there is none. */
 double vs_devices_most_surges(const vs_deck *deck, const vs_device *device);
 
@@ -84,13 +83,11 @@ const vs_limit_at *vs_devices_limit_at(const vs_deck *deck, const vs_device *dev
                                        const char *limit, double *t_j_max_degc);
 
 /* A thermal resistance, K/W, that the device's part states: "r_th_jc", "r_th_cs", "r_th_ja". Where
- * it has lines zth, their sum is r_th_jc. NaN: it states none. *assumed becomes true where no
- * source says it, and else stays. */
+ * it has lines zth, their sum is r_th_jc. NaN: it states none. *unsure gets what it lacks, besides.
+ */
 double vs_devices_r_th(const vs_deck *deck, const vs_device *device, const char *name,
-                       bool *assumed);
+                       unsigned *unsure);
 
 /* True where device number `device` protects another one and, by the makers' figures, may let more
  * through (i2t_clear) than that one bears (i2t). `text` then says so. */
 bool vs_devices_fails_ward(const vs_deck *deck, size_t device, char *text, size_t size);
-
-#endif

@@ -6,8 +6,7 @@
  * A deck may name nodes of its EVA, here called Xeva, in sources, probes and formulas: v(xeva.z),
  * the gap, m; v(xeva.vz), its rate, m/s; v(xeva.lam), the flux linkage, Wb; v(xeva.q_NAME) and
  * v(xeva.v_NAME), the coordinate NAME of the machine and its rate, SI. */
-#ifndef VS_NETLIST_EVA_H
-#define VS_NETLIST_EVA_H
+#pragma once
 
 #include "plant/coil.h"
 #include "netlist/deck.h"
@@ -34,5 +33,3 @@ vs_status vs_eva_take_motions(vs_deck *deck, const vs_machine *machine, vs_error
 /* Adds the lines of the EVA's subcircuit to `out`, without comments, each with a newline at its
  * end. Error: its file is not there. */
 vs_status vs_eva_write(const vs_deck *deck, vs_text *out, vs_error *err);
-
-#endif

@@ -6,8 +6,7 @@
  *
  * Every text has a tree: what cannot be read is passed by, sign by sign, and the names behind it
  * are there all the same. */
-#ifndef VS_NETLIST_EXPR_H
-#define VS_NETLIST_EXPR_H
+#pragma once
 
 #include "base/text.h"
 #include "netlist/words.h"
@@ -49,5 +48,3 @@ void vs_expr_free(vs_expr *e);
 /* For tests: adds the text of the node and of all below it, with a blank on each side of an
  * operator. */
 void vs_expr_write(const vs_expr *e, size_t node, vs_text *out);
-
-#endif

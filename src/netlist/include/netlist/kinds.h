@@ -3,8 +3,7 @@
  * its part's file each measure is held against. One table serves lists, summary and verdict,
  * `check` of parts, the test stand and `import`. The head of kinds.c says what a new kind touches.
  */
-#ifndef VS_NETLIST_KINDS_H
-#define VS_NETLIST_KINDS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -257,5 +256,3 @@ bool vs_kinds_decides(const char *kind, const char *limit);
 
 /* The limit of a single half sine of 10 ms, which the limit i2t has to fit; NULL: it has none. */
 const char *vs_kinds_surge_limit(const char *kind);
-
-#endif

@@ -2,8 +2,7 @@
  * How large may become what a run makes. A slip of a key, or a stranger's file, asks for hours and
  * gigabytes as easily as for milliseconds; so it is told before anything is written. The limits
  * stand in a scene's section `limits`, where they can be raised. They never change a result. */
-#ifndef VS_NETLIST_LIMITS_H
-#define VS_NETLIST_LIMITS_H
+#pragma once
 
 #include "base/field.h"
 #include "netlist/deck.h"
@@ -29,5 +28,3 @@ void vs_limits_write(double bytes, char text[VS_LIMITS_SIZE]);
  * segment of a line U counts as two devices, a subcircuit that is not defined or has itself within
  * as one. */
 vs_status vs_limits_devices(const vs_deck *deck, double most, vs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A line of a netlist, joined with the lines of the file that continue it ('+'), and where each of
  * its characters stands in the file. */
-#ifndef VS_NETLIST_LINE_H
-#define VS_NETLIST_LINE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -41,5 +40,3 @@ vs_where vs_line_place(const vs_line *line, const char *at);
 vs_where vs_line_place_of(const vs_line *line, vs_word word);
 
 void vs_line_free(vs_line *line);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Which line of the user's files has to be mended where the solver complains of a netlist. */
-#ifndef VS_NETLIST_LOCATION_H
-#define VS_NETLIST_LOCATION_H
+#pragma once
 
 #include "netlist/deck.h"
 
@@ -16,5 +15,3 @@
  * includes, or takes as a part, the place is the line that does so, as that one has to be mended.
  * Adds what would be right. */
 void vs_location_locate(const vs_deck *deck, size_t culprit, vs_error *err);
-
-#endif

@@ -5,8 +5,7 @@
  * Reading takes three calls: vs_netlist_read for the deck's own files; vs_netlist_read_parts once
  * the scene has named its parts; vs_deck_bind once the parameters have values. vs_deck_free is due
  * also after an error. */
-#ifndef VS_NETLIST_NETLIST_H
-#define VS_NETLIST_NETLIST_H
+#pragma once
 
 #include "netlist/deck.h"
 
@@ -49,5 +48,3 @@ void vs_netlist_free(char **lines, size_t count);
 /* The deck's line that line `number` of such a netlist, from 0, is made of; NULL: it is none of the
  * deck's own. */
 const vs_line *vs_netlist_line(const vs_deck *deck, size_t number);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Numbers of netlists. Of some ngspice reads something else than was meant, and says nothing: it
  * stops at the first letter that it does not know and takes no notice of what follows. */
-#ifndef VS_NETLIST_NUMBERS_H
-#define VS_NETLIST_NUMBERS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -25,5 +24,3 @@ bool vs_numbers_read(vs_word word, double *value);
  * between versions of ngspice, a value below 0 of an R, C or L, a resistance of 0, and a
  * capacitance above 1 F. */
 vs_status vs_numbers_check(const vs_line *line, vs_tally *tally, vs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What parts are, what their makers allow, and what a deck asks of both: the contract's lines part,
  * limit, rating, require and model, and what comes of them once the parts are chosen. */
-#ifndef VS_NETLIST_PARTS_H
-#define VS_NETLIST_PARTS_H
+#pragma once
 
 #include "netlist/deck.h"
 #include "netlist/kinds.h"
@@ -76,5 +75,3 @@ bool vs_parts_limit_is_left(const vs_deck *deck, const vs_limit *limit);
 /* True where limit number `limit` is of a name that nothing is held against, neither a measure of
  * its part's kind nor a rating of the deck. `text` then says so, and which name may be meant. */
 bool vs_parts_limit_is_idle(const vs_deck *deck, size_t limit, char *text, size_t size);
-
-#endif

@@ -3,8 +3,7 @@
  * `*$ port NAME = SOURCE`: mains, gate[+ANGLE], burst[+ANGLE], pwm[+ANGLE], pwm_low[+ANGLE]. The
  * voltage that such a signal has
  * at an instant is computed in engine/signals.h. */
-#ifndef VS_NETLIST_PORT_H
-#define VS_NETLIST_PORT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -50,5 +49,3 @@ bool vs_port_is_gated(const vs_signal *signal);
 bool vs_port_is_modulated(const vs_signal *signal);
 /* True where it is driven with the sub-pulses that fill a gate pulse. */
 bool vs_port_is_burst(const vs_signal *signal);
-
-#endif

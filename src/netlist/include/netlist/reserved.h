@@ -3,8 +3,7 @@
  * parameter of such a name is not what ngspice reads there: a B source takes E for 2.718 and not
  * for what '.param E=50' says. So the netlist that ngspice is given has another name in its place,
  * and messages have the user's. */
-#ifndef VS_NETLIST_RESERVED_H
-#define VS_NETLIST_RESERVED_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -43,5 +42,3 @@ bool vs_reserved_rename(const vs_cards *cards, vs_line *lines, vs_reserved_given
 
 /* Puts the user's names in the place of these in a message. */
 void vs_reserved_restore(char *message);
-
-#endif

@@ -2,8 +2,7 @@
  * The lines of a text file, whatever program wrote it: UTF-8 with or without a byte order mark,
  * UTF-16 in either order of bytes, or one byte a character (Latin-1); lines that end in LF, CR LF
  * or CR; a Ctrl-Z at the end, as programs of CP/M's and DOS's days leave it. */
-#ifndef VS_NETLIST_SOURCE_H
-#define VS_NETLIST_SOURCE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -33,5 +32,3 @@ vs_status vs_source_points(const char *line, vs_where where, vs_text *out, vs_er
  * Greek mu becomes u, a blank that keeps words together becomes a blank, a typographic minus
  * becomes '-'. Each is one character before and after, so that columns stay. */
 void vs_source_plain(char *line);
-
-#endif

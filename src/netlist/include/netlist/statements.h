@@ -2,8 +2,7 @@
  * Statements, the lines that begin with '.', of which a circuit is not made: analyses, options and
  * outputs, as every program that writes netlists adds them. Those that leave the circuit what it is
  * are skipped, and one warning names them all. Others are refused with what to write instead. */
-#ifndef VS_NETLIST_STATEMENTS_H
-#define VS_NETLIST_STATEMENTS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -35,5 +34,3 @@ void vs_statements_free(vs_skipped *skipped);
 /* True for the first line of a netlist if it is no statement and reads as a title rather than as an
  * element: its words are not what an element of that letter has. */
 bool vs_statements_is_title(const char *line);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What was found or changed in a netlist, kind by kind, so that a library of a hundred like lines
  * makes one warning. */
-#ifndef VS_NETLIST_TALLY_H
-#define VS_NETLIST_TALLY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -26,5 +25,3 @@ void vs_tally_add(vs_tally *tally, const char *what, vs_where where);
 
 /* Writes the warning of item k: what it says, and of how many lines. */
 void vs_tally_tell(const vs_tally *tally, size_t k, char *text, size_t size);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The words of a line of a netlist, the parameters NAME=VALUE among them, and the arguments of a
  * call. Braces, brackets and quotes keep together what stands between them. */
-#ifndef VS_NETLIST_WORDS_H
-#define VS_NETLIST_WORDS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -76,5 +75,3 @@ const char *vs_words_next(const char *s);
 
 /* True for a name of the node ground, 0 or gnd. */
 bool vs_words_is_ground(vs_word node);
-
-#endif

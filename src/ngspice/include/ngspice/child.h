@@ -3,8 +3,7 @@
  * undefined parameter; other nonsense crashes it, at loading or in its first step, or keeps it for
  * ever. Others are copies of a running process: a process that is forked within a callback of
  * ngspice has all of its hidden state, and goes on as the first one would have. */
-#ifndef VS_NGSPICE_CHILD_H
-#define VS_NGSPICE_CHILD_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -72,5 +71,3 @@ int vs_child_end_of(const vs_child_copy *copy);
 /* In the parent: waits for the copy's end and takes what it told. Errors: VS_RUN, the copy ended
  * before it had told all of it. */
 vs_status vs_child_hear(const vs_child_copy *copy, void *data, size_t size, vs_error *err);
-
-#endif

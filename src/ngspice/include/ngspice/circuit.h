@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The interface to a circuit solver: ngspice in the product (ngspice/ngspice.h), a formula in
  * tests. The circuit owns its time loop and asks its host for what it needs. */
-#ifndef VS_NGSPICE_CIRCUIT_H
-#define VS_NGSPICE_CIRCUIT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -108,7 +107,8 @@ typedef struct vs_circuit_map {
   void *solver;
   bool begins; /* set by the host in accept(): another stretch begins there, at `next` */
   double *next;
-  bool wants_slope; /* of that stretch; set with it */
+  bool wants_slope; /* of that stretch; set with it, as is: */
+  bool returns;     /* switches are to be as they were where the last one began */
 } vs_circuit_map;
 
 /* What the circuit asks. */
@@ -156,5 +156,3 @@ typedef struct vs_circuit_kind {
   vs_status (*run)(void *circuit, vs_error *err);
   void (*free)(void *circuit); /* NULL is fine */
 } vs_circuit_kind;
-
-#endif

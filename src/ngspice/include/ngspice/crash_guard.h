@@ -3,8 +3,7 @@
  * (ngspice/child.h) finds that, and costs a load and a fork. A process that has done nothing yet
  * which a second process could not do again needs no trial: it takes the netlist under guard. If
  * that goes wrong, the process begins anew with the same words, and tries first. */
-#ifndef VS_NGSPICE_CRASH_GUARD_H
-#define VS_NGSPICE_CRASH_GUARD_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -22,5 +21,3 @@ void vs_crash_guard_end(void);
 
 /* True in a process that has begun anew. Its warnings were told before. */
 bool vs_crash_guard_again(void);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Circuits (ngspice/circuit.h) on libngspice. libngspice is one global instance in a process, so a
  * process has one such circuit at a time. */
-#ifndef VS_NGSPICE_NGSPICE_H
-#define VS_NGSPICE_NGSPICE_H
+#pragma once
 
 #include "ngspice/circuit.h"
 
@@ -20,5 +19,3 @@ vs_status vs_ngspice_begin(vs_error *err);
 /* False once ngspice has ended itself in this process, as some nonsense makes it do: nothing can be
  * loaded any more. */
 bool vs_ngspice_usable(void);
-
-#endif

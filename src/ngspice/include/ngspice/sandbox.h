@@ -4,8 +4,7 @@
  * netlist cannot do either. A filter of system calls in the kernel (seccomp) refuses them with
  * EPERM, so that the process goes on. It holds for the rest of the process and for all it starts,
  * and cannot be taken off. docs/strangers.md lists what is refused. */
-#ifndef VS_NGSPICE_SANDBOX_H
-#define VS_NGSPICE_SANDBOX_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -27,5 +26,3 @@ bool vs_sandbox_process(vs_sandbox level);
 
 /* True where the kernel has such a filter. */
 bool vs_sandbox_works(void);
-
-#endif

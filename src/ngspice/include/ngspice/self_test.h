@@ -5,8 +5,7 @@
  * ~/.cache/vibrospice. A library is identified by its file: path, size, time of change. It is
  * probed again where the file is another one, with another version of this program, and each time a
  * process begins where there is no folder to remember it in. */
-#ifndef VS_NGSPICE_SELF_TEST_H
-#define VS_NGSPICE_SELF_TEST_H
+#pragma once
 
 #include "ngspice/circuit.h"
 
@@ -29,5 +28,3 @@ enum { VS_SELF_TEST_TEXT = 200 };
  * that is wrong with it, a sentence without a full stop; empty: nothing is. A run that fails is
  * wrong, too. For tests, which have solvers that lie. */
 void vs_self_test_probe(const vs_circuit_kind *solver, char wrong[VS_SELF_TEST_TEXT]);
-
-#endif

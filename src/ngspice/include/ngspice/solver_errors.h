@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The errors in ngspice's log. Its return codes say nothing, so the lines of its log are searched
  * for known phrases of errors, and the most telling ones are kept. */
-#ifndef VS_NGSPICE_SOLVER_ERRORS_H
-#define VS_NGSPICE_SOLVER_ERRORS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -49,5 +48,3 @@ void vs_solver_errors_place(const vs_circuit_job *job, size_t culprit, vs_error 
  * carries on. */
 vs_status vs_solver_errors_tell(const vs_solver_errors *complaints, const vs_circuit_job *job,
                                 const char *what, vs_error *err);
-
-#endif

@@ -12,8 +12,7 @@
  *
  * where g is the gain at rest of all transients. The frequency |Im s_i|/(2 pi) of a pole is that of
  * the beat of a mode with the firings, at most half of their own. */
-#ifndef VS_ORBIT_AVERAGED_H
-#define VS_ORBIT_AVERAGED_H
+#pragma once
 
 #include <complex.h>
 
@@ -49,5 +48,3 @@ vs_status vs_averaged_find(const vs_linear *linear, vs_averaged *averaged, vs_er
 
 /* The step response of an output after k firings, in its unit per rad. */
 double vs_averaged_step(const vs_averaged *averaged, int output, int k);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `steady --along`: a branch of periodic orbits over a key of the scene. */
-#ifndef VS_ORBIT_BRANCH_H
-#define VS_ORBIT_BRANCH_H
+#pragma once
 
 #include <signal.h>
 
@@ -21,5 +20,3 @@ typedef struct vs_branch_options {
  * written and printed all the same; VS_SIGNAL, likewise. Without gnuplot there is no picture, which
  * a warning says. */
 vs_status vs_branch_command(const vs_branch_options *options, vs_scene *scene, vs_error *err);
-
-#endif

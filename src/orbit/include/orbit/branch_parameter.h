@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The scene key that a branch is followed over: which one, from where to where, and the scene with
  * another value of it. */
-#ifndef VS_ORBIT_BRANCH_PARAMETER_H
-#define VS_ORBIT_BRANCH_PARAMETER_H
+#pragma once
 
 #include "run/axis.h"
 
@@ -38,5 +37,3 @@ void vs_branch_parameter_free(vs_branch_parameter *along);
 /* Settles the scene with that value of the key, to all its digits. Errors: those of
  * vs_scene_reread. */
 vs_status vs_branch_parameter_move(vs_branch_parameter *along, double key, vs_error *err);
-
-#endif

@@ -14,8 +14,7 @@
  * not reached by small deviations. What samples, noise and an A/D make of the amplitude is left
  * out.
  */
-#ifndef VS_ORBIT_CLOSED_LOOP_H
-#define VS_ORBIT_CLOSED_LOOP_H
+#pragma once
 
 #include "base/json.h"
 #include "orbit/averaged.h"
@@ -54,5 +53,3 @@ vs_status vs_closed_loop_find(const vs_scene *scene, const vs_regulator *regulat
 /* Prints it, and adds it as the member "closed_loop". */
 void vs_closed_loop_print(const vs_closed_loop *closed, FILE *out);
 void vs_closed_loop_json(const vs_closed_loop *closed, vs_json *json);
-
-#endif

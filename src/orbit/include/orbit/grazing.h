@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How little a parameter must change so that a contact with a stop comes or goes in a run. */
-#ifndef VS_ORBIT_GRAZING_H
-#define VS_ORBIT_GRAZING_H
+#pragma once
 
 #include "orbit/variation.h"
 
@@ -17,5 +16,3 @@ typedef struct vs_grazing {
 /* Takes a step that `variation`, which has the column of a parameter alone, has taken: what the
  * armature lacks of each stop, or has of it, where it turns, over what p makes of that. */
 void vs_grazing_accept(vs_grazing *grazing, const vs_variation *variation, const vs_step *step);
-
-#endif

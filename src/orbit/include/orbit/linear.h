@@ -20,8 +20,7 @@
  *
  * A signal may be seen through a low-pass. Its states (y, y'/w) of measure/lowpass.h, or y
  * alone, then join x. */
-#ifndef VS_ORBIT_LINEAR_H
-#define VS_ORBIT_LINEAR_H
+#pragma once
 
 #include "orbit/linear_signal.h"
 #include "orbit/shooting.h"
@@ -101,5 +100,3 @@ vs_status vs_linear_begin(const vs_scene *scene, const vs_setup *setup, const vs
 void vs_linear_look(vs_linear *linear, const vs_step *step, int *firings);
 /* The output that is the gap's travel, seen without a low-pass; -1: there is none. */
 int vs_linear_travel(const vs_linear *linear, const vs_model *model);
-
-#endif

@@ -2,8 +2,7 @@
  * What is shown of a linear model and of the averaged one that follows from it: the table, the
  * member "linear" of JSON, and files. All numbers are in SI, and per radian of the angle, but for
  * those whose names say "per_deg". */
-#ifndef VS_ORBIT_LINEAR_REPORT_H
-#define VS_ORBIT_LINEAR_REPORT_H
+#pragma once
 
 #include "base/json.h"
 #include "orbit/averaged.h"
@@ -35,5 +34,3 @@ vs_status vs_linear_report_write(const vs_linear_report *matrices, const char *f
 const char *vs_linear_report_files(void);
 /* Removes such files of an older run. */
 void vs_linear_report_remove(const char *folder);
-
-#endif

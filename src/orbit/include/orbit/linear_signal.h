@@ -4,8 +4,7 @@
  *
  * A channel is linear where it is a constant and a sum of coordinates, their rates and their second
  * rates, each times a number:  y = y_0 + k . (q, q', q"). */
-#ifndef VS_ORBIT_LINEAR_SIGNAL_H
-#define VS_ORBIT_LINEAR_SIGNAL_H
+#pragma once
 
 #include "engine/step.h"
 #include "measure/lowpass.h"
@@ -60,5 +59,3 @@ double vs_linear_signal_amplitude(const vs_linear_signal *seen);
 double vs_linear_signal_margin(const vs_linear_signal *seen);
 /* How long before or behind the beginning of the period the nearer of the extremes comes, s. */
 double vs_linear_signal_edge(const vs_linear_signal *seen, double period_s);
-
-#endif

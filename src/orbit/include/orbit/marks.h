@@ -2,8 +2,7 @@
  * The marks of a branch: orbits at which something begins or ends, such as a fold or the grazing of
  * a stop. Each kind has a number that changes its sign there, and the mark is found as that
  * number's zero along the branch. */
-#ifndef VS_ORBIT_MARKS_H
-#define VS_ORBIT_MARKS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -59,5 +58,3 @@ bool vs_mark_middle(struct vs_branch_points *path, const vs_marks_span *span, do
  * two orbits between which it was last known to lie, and the error says how far they are apart. */
 bool vs_mark_locate(struct vs_branch_points *path, const vs_marks_span *span, vs_mark *mark,
                     struct vs_branch_point *at);
-
-#endif

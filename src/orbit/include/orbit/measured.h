@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The measures of one run, or of one period of an orbit, under the names that `run` and `steady`
  * show them by. */
-#ifndef VS_ORBIT_MEASURED_H
-#define VS_ORBIT_MEASURED_H
+#pragma once
 
 #include "orbit/steady.h"
 #include "run/listed_measure.h"
@@ -13,6 +12,7 @@ typedef struct vs_measured {
   vs_result result;
   vs_steady steady; /* where `period` */
   bool period;
+  struct vs_alike *alike; /* by which its run comes to its orbit; NULL: by a search; borrowed */
 } vs_measured;
 
 /* Begins with a settled scene, which must outlive this; orbit: the measures are those of a period
@@ -43,5 +43,3 @@ typedef struct vs_measured_value {
 bool vs_measured_at(const vs_measured *measured, int k, vs_measured_value *value);
 /* The number of the one of that name; -1: there is none. */
 int vs_measured_find(const vs_measured *measured, const char *name);
-
-#endif

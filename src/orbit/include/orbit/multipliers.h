@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Floquet multipliers: the eigenvalues of a periodic orbit's monodromy matrix. */
-#ifndef VS_ORBIT_MULTIPLIERS_H
-#define VS_ORBIT_MULTIPLIERS_H
+#pragma once
 
 #include "orbit/variation.h"
 
@@ -24,5 +23,3 @@ bool vs_multipliers_of(int count, double *matrix, vs_multiplier *out);
 
 /* Their order, as of a comparison for qsort. */
 int vs_multiplier_order(const vs_multiplier *a, const vs_multiplier *b);
-
-#endif

@@ -13,8 +13,7 @@
  * The derivatives of the coefficients (M^-1 K, R_c, the gap at rest, the coil's law at a given
  * lambda and z, the mains' voltage, ...) come from six scenes with other values of the key, by
  * differences of sixth order. These are right to some 1e-12 of the coefficient. */
-#ifndef VS_ORBIT_PARAMETER_H
-#define VS_ORBIT_PARAMETER_H
+#pragma once
 
 #include "engine/wave.h"
 #include "run/keys.h"
@@ -95,5 +94,3 @@ double vs_parameter_fires(vs_parameter *parameter, double off_s, double t_s);
 double vs_parameter_edge(vs_parameter *parameter, double before_s, double t_s);
 /* The coil is on the mains from t_s on. */
 void vs_parameter_connects(vs_parameter *parameter, double t_s);
-
-#endif

@@ -15,8 +15,7 @@
  * With a stop in reach the two tiers' Phi may have little in common, and corrections do not fall.
  * Then Phi is found by differences between copies of the process. If that does not
  * do either the machine is left to itself, to tell what period it runs on. */
-#ifndef VS_ORBIT_PICARD_H
-#define VS_ORBIT_PICARD_H
+#pragma once
 
 #include "engine/budget.h"
 #include "engine/sim.h"
@@ -65,12 +64,9 @@ vs_picard_past vs_picard_over(const vs_picard *picard);
  * other search took the circuit's own Phi or had no such orbit, it begins at that orbit. */
 void vs_picard_begin_near(vs_picard *picard, const vs_picard_past *past);
 
-/* Does anything behind a period hang on that state of the circuit's map, by more than a part of the
- * sizes? False, too, where Newton's method for machine and circuit together did not find the orbit.
- */
-bool vs_picard_remembers(const vs_picard *picard, int state, double part);
+/* Newton's method for machine and circuit together, while the run lasts; it is the picard's own.
+ * NULL: it did not find the orbit. */
+struct vs_full_newton *vs_picard_newton(const vs_picard *picard);
 
 /* Before an attempt of a session (run/session.h): what was found counts no more. */
 void vs_picard_again(vs_picard *picard);
-
-#endif

@@ -2,8 +2,7 @@
  * Logarithmic derivatives of a scene's measures with respect to its keys, each with its error. On
  * the ideal tiers they are exact (orbit/tangent.h); elsewhere, and where a measure is not smooth
  * enough for that, they are Richardson's differences of runs (orbit/stencil.h). */
-#ifndef VS_ORBIT_SENSITIVITY_H
-#define VS_ORBIT_SENSITIVITY_H
+#pragma once
 
 #include <signal.h>
 
@@ -59,5 +58,3 @@ static inline vs_sensitivity_entry *vs_sensitivity_at(const vs_sensitivity *s, s
                                                       size_t to) {
   return &s->entry[of * s->n_to + to];
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What is asked how its measures depend on the scene's keys: a run of the scene from its start, a
  * run that begins on the scene's orbit, or one period of that orbit. */
-#ifndef VS_ORBIT_SENSITIVITY_PROBLEM_H
-#define VS_ORBIT_SENSITIVITY_PROBLEM_H
+#pragma once
 
 #include <signal.h>
 
@@ -50,5 +49,3 @@ vs_setup vs_sensitivity_problem_setup(const vs_sensitivity_problem *subject, con
 vs_status vs_sensitivity_problem_start(const vs_sensitivity_problem *subject,
                                        vs_parameter *parameter, double start[VS_VARIATION_MOST],
                                        vs_error *err);
-
-#endif

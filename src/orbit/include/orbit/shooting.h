@@ -4,8 +4,7 @@
  * matrix, is integrated along that run by the variational equations and taken through each firing,
  * extinction and stop (orbit/variation.h). Newton's iteration then converges quadratically, however
  * slowly the machine's own modes decay. */
-#ifndef VS_ORBIT_SHOOTING_H
-#define VS_ORBIT_SHOOTING_H
+#pragma once
 
 #include "orbit/multipliers.h"
 #include "run/scene.h"
@@ -71,5 +70,3 @@ const char *vs_shooting_weakens(const vs_scene *scene);
  * zero, firing from the first cycle on, until run->until_s. It borrows what the scene's setup owns,
  * and is not to be freed. */
 vs_setup vs_shooting_setup(const vs_scene *scene, const vs_run_values *run, const vs_orbit *orbit);
-
-#endif

@@ -2,8 +2,7 @@
  * A machine at work: the periodic orbit of a scene, and one period of it as a run. What makes the
  * run is run/session.h, as of any other run; what is known of the orbit besides its measures
  * stands here. */
-#ifndef VS_ORBIT_STEADY_H
-#define VS_ORBIT_STEADY_H
+#pragma once
 
 #include "engine/step.h"
 #include "measure/devices.h"
@@ -116,5 +115,3 @@ vs_scene *vs_steady_undisturbed(const vs_scene *scene);
  * vs_fraction_settle. */
 vs_status vs_steady_run(const vs_session *session, vs_scene *scene, vs_result *result,
                         vs_error *err);
-
-#endif

@@ -2,8 +2,7 @@
  * A fan: a run of the scene as it is, and six with other values of one key, each reduced to its
  * measures; and what follows, the derivatives of the measures. The six may be runs of their own, or
  * what the derivatives of the one run make of it (orbit/tangent.h). */
-#ifndef VS_ORBIT_STENCIL_H
-#define VS_ORBIT_STENCIL_H
+#pragma once
 
 #include "orbit/grazing.h"
 #include "orbit/measured.h"
@@ -45,5 +44,3 @@ vs_status vs_stencil_run(vs_stencil *fan, const vs_sensitivity_problem *subject,
 
 /* The derivative of the measure of that name. */
 vs_slope_of vs_stencil_slope(const vs_stencil *fan, const char *measure);
-
-#endif

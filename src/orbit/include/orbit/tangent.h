@@ -9,8 +9,7 @@
  * The neighbours' p are so small that what is left out, of second order and higher, is below
  * rounding after a difference of sixth order. Between two instants all knots move along in
  * proportion. */
-#ifndef VS_ORBIT_TANGENT_H
-#define VS_ORBIT_TANGENT_H
+#pragma once
 
 #include "orbit/stencil.h"
 
@@ -24,5 +23,3 @@
 vs_status vs_tangent_find(vs_stencil *fan, const vs_sensitivity_problem *subject,
                           const vs_asked *key, const vs_parameter *known, bool again,
                           vs_error *err);
-
-#endif

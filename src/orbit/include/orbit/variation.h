@@ -15,8 +15,7 @@
  *
  * Instead, that column may tell how y depends on a delay of the firings: of such a parameter
  * df/dp = 0 and dt/dp = 1 at each firing. */
-#ifndef VS_ORBIT_VARIATION_H
-#define VS_ORBIT_VARIATION_H
+#pragma once
 
 #include <gsl/gsl_odeiv2.h>
 
@@ -83,5 +82,3 @@ void vs_variation_rates(vs_variation *variation, const vs_step *step, double *ra
 /* S at the last knot that was shown, or where vs_variation_to has come: d(row i of y)/d(x0's j);
  * j = columns is the parameter's, or the delay's. */
 double vs_variation_get(vs_variation *variation, int i, int j);
-
-#endif

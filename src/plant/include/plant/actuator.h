@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The scene's section actuator: coil, gap and stops, and the laws that a coil may have. */
-#ifndef VS_PLANT_ACTUATOR_H
-#define VS_PLANT_ACTUATOR_H
+#pragma once
 
 #include "plant/coil.h"
 #include "plant/values.h"
@@ -19,5 +18,3 @@ vs_status vs_actuator_build(const vs_actuator_values *values, const vs_node *map
                             const vs_law_formulas *formulas, vs_coil *coil, vs_stops *stops,
                             vs_error *err);
 void vs_actuator_end(vs_coil *coil);
-
-#endif

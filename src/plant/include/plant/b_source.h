@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A formula as ngspice's B sources write it. */
-#ifndef VS_PLANT_B_SOURCE_H
-#define VS_PLANT_B_SOURCE_H
+#pragma once
 
 #include "base/formula.h"
 #include "base/text.h"
@@ -13,5 +12,3 @@ void vs_b_source_number(vs_text *text, double value);
 /* Adds the formula, its names bound, in brackets where its last operation is an operator. terms[k]
  * is what stands for term k: a node's voltage, or an expression in brackets. */
 void vs_b_source_formula(vs_text *text, const vs_formula *formula, const char *const *terms);
-
-#endif

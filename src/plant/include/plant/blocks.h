@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Sums over the coordinates of a machine of any size, by blocks of VS_ROWS rows and columns. */
-#ifndef VS_PLANT_BLOCKS_H
-#define VS_PLANT_BLOCKS_H
+#pragma once
 
 #include "plant/model.h"
 
@@ -14,5 +13,3 @@ _Static_assert(VS_MOST_DOF % VS_ROWS == 0, "columns are filled up with zeros");
 /* What vs_mechanics_accelerations (plant/mechanics.h) gives, for any number of coordinates. */
 void vs_block_accelerations(const vs_model *model, const double *q, const double *v, double force_n,
                             double acceleration[VS_MOST_DOF]);
-
-#endif

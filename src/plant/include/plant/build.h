@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How the sections of a scene become the numbers of a machine. */
-#ifndef VS_PLANT_BUILD_H
-#define VS_PLANT_BUILD_H
+#pragma once
 
 #include "plant/model.h"
 
@@ -25,5 +24,3 @@ vs_status vs_build_again(const vs_node *scene, vs_machine *machine, vs_model *mo
  * ended. Errors: as of vs_build_model. */
 vs_status vs_build_loaded(vs_machine *machine, const vs_model *from, const vs_load_values *load,
                           double riding, vs_model *out, vs_error *err);
-
-#endif

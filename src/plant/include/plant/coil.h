@@ -11,8 +11,7 @@
  *
  * and the force is dW/dz, as without them. One without leakage adds the current k^2/R dlambda/dt.
  */
-#ifndef VS_PLANT_COIL_H
-#define VS_PLANT_COIL_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -95,5 +94,3 @@ double vs_coil_core_loss(const vs_coil *coil, double flux_wb, double omega_rad_s
 /* The flux linkage, Wb, that the coil has at this gap while it carries no current; 0 but for a law
  * with a magnet or a moving coil. */
 double vs_coil_idle_flux(const vs_coil *coil, double z_m);
-
-#endif

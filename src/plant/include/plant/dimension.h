@@ -15,8 +15,7 @@
  * Angles are pure numbers here, so that N.m/rad is N.m and a sine takes radians. 0 has every unit.
  * A number with digits that is no whole number or half (9.81, 1.2566e-6) may carry a unit of its
  * own: what it takes part in is unknown and is not checked further. */
-#ifndef VS_PLANT_DIMENSION_H
-#define VS_PLANT_DIMENSION_H
+#pragma once
 
 #include "base/formula.h"
 #include "base/units.h"
@@ -47,5 +46,3 @@ void vs_dimension_text(const vs_dimension *dimension, char text[VS_DIMENSION_TEX
  * NULL where it has none. Returns false where the units do not fit; fault says so then. */
 bool vs_dimension_find(const vs_formula *formula, const vs_dimension *terms,
                        const vs_dimension *names, vs_dimension *found, vs_dimension_fault *fault);
-
-#endif

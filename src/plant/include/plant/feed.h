@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The actuator's supply and firing: the keys of the sections supply and firing, of a scene and of a
  * machine's file. engine/timeline.h makes voltages and pulses of them. */
-#ifndef VS_PLANT_FEED_H
-#define VS_PLANT_FEED_H
+#pragma once
 
 #include "base/field.h"
 
@@ -23,5 +22,3 @@ typedef struct vs_firing_values {
 
 /* Their defaults are those of the paper (Table 1); a machine's file has its own. */
 extern const vs_section vs_feed_supply, vs_feed_firing;
-
-#endif

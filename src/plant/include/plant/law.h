@@ -2,8 +2,7 @@
  * The law of an actuator: how its current and its force follow from flux linkage and gap. From one
  * energy W(lambda, z) follow the current i = dW/dlambda and the force F = dW/dz, which is positive
  * where it closes the gap. A law gives these three, and writes the first two for the netlist. */
-#ifndef VS_PLANT_LAW_H
-#define VS_PLANT_LAW_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -70,5 +69,3 @@ typedef struct vs_law {
 /* The laws, each in its own file (reluctance.c, ...); vs_actuator_laws (plant/actuator.h) lists
  * them. */
 extern const vs_law vs_reluctance_law, vs_moving_coil_law, vs_formulas_law, vs_table_law;
-
-#endif

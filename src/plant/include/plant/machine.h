@@ -5,8 +5,7 @@
  *
  * A machine keeps the tree that it was read from. Places and texts of formulas are borrowed from
  * that tree. */
-#ifndef VS_PLANT_MACHINE_H
-#define VS_PLANT_MACHINE_H
+#pragma once
 
 #include "base/field.h"
 #include "base/formula.h"
@@ -170,5 +169,3 @@ void vs_machine_add_field(vs_section *section, const vs_field *field);
 
 /* True for the name of a coordinate, of one of its rates, or of a probe of the machine. */
 bool vs_machine_has_output(const vs_machine *machine, const char *name);
-
-#endif

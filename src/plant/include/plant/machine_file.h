@@ -33,8 +33,7 @@
  *
  * A FORMULA is as base/formula.h has it, with a pair's NAME.x and NAME.y, or a number with its
  * unit. All is in SI. */
-#ifndef VS_PLANT_MACHINE_FILE_H
-#define VS_PLANT_MACHINE_FILE_H
+#pragma once
 
 #include "base/field.h"
 #include "plant/machine.h"
@@ -48,5 +47,3 @@ bool vs_machine_file_has_keys(const vs_tree *file);
 
 /* The keys of a machine's file, with all below them. */
 extern const vs_inside vs_machine_file_keys;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The equation of motion, M q" + B q' + K q = f0 - F c (Eq. 54), its energies and its modes.
  * All are pure functions of the model. */
-#ifndef VS_PLANT_MECHANICS_H
-#define VS_PLANT_MECHANICS_H
+#pragma once
 
 #include <stdbool.h>
 #include <string.h>
@@ -76,5 +75,3 @@ void vs_mechanics_state_space(const vs_model *model, vs_state_space *out);
 /* Finds all modes, two for each coordinate, sorted by |s|, pairs by falling imaginary part. Returns
  * false where GSL finds none. */
 bool vs_mechanics_modes(const vs_model *model, vs_mode modes[VS_MOST_STATES]);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The machine as numbers: M q" + B q' + K q = f0 - F c, where c says how each coordinate opens the
  * air gap, z = D + d + c.q. Constant once it is built (plant/build.h). */
-#ifndef VS_PLANT_MODEL_H
-#define VS_PLANT_MODEL_H
+#pragma once
 
 #include "plant/actuator.h"
 #include "plant/machine.h"
@@ -79,5 +78,3 @@ typedef struct vs_model {
                            fastest_rad_s */
   double working_rad_s; /* |s| of the mode that F drives hardest along the gap */
 } vs_model;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the armature meets. A stop pushes the armature back by how deep this is in it, and by how
  * fast that changes. */
-#ifndef VS_PLANT_STOPS_H
-#define VS_PLANT_STOPS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -87,5 +86,3 @@ void vs_stops_slopes(const vs_stops *stops, unsigned touched, double g_m, double
 double vs_stops_loss(const vs_stops *stops, unsigned touched, double g_m, double g_rate_m_s);
 /* What they store, J. */
 double vs_stops_energy(const vs_stops *stops, unsigned touched, double g_m);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the scene's section actuator says, in SI. Each member's meaning stands in the texts of
  * vs_actuator_section (plant/actuator.h). */
-#ifndef VS_PLANT_VALUES_H
-#define VS_PLANT_VALUES_H
+#pragma once
 
 #include "base/field.h"
 #include "plant/stops.h"
@@ -42,5 +41,3 @@ typedef struct vs_actuator_values {
   vs_rung_values eddy[VS_MOST_RUNGS];
   vs_winding_values winding;
 } vs_actuator_values;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How warm the coil's winding becomes: winding, core and ambient, with a thermal resistance between
  * each two and a heat capacity of each of the first two. */
-#ifndef VS_PLANT_WINDING_H
-#define VS_PLANT_WINDING_H
+#pragma once
 
 #include "plant/values.h"
 
@@ -22,5 +21,3 @@ void vs_winding_go(const vs_winding_values *winding, double copper_w, double cor
                    vs_winding_state *state);
 /* The shorter of its time constants, s; 0: there is none. */
 double vs_winding_fastest(const vs_winding_values *winding);
-
-#endif

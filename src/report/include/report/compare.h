@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `compare`: what two runs, or two studies, have in common and in what they differ. */
-#ifndef VS_REPORT_COMPARE_H
-#define VS_REPORT_COMPARE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -18,5 +17,3 @@ typedef struct vs_compare_options {
  * Errors, VS_INPUT: a folder holds neither a run nor a study; one holds a run and the other a
  * study; a file in one is broken. */
 vs_status vs_compare_tell(const vs_compare_options *options, vs_text *out, vs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The page that shows two runs, or two studies, side by side: verdicts, keys that differ, curves in
  * one picture, measures or columns. */
-#ifndef VS_REPORT_COMPARE_PAGE_H
-#define VS_REPORT_COMPARE_PAGE_H
+#pragma once
 
 #include "base/error.h"
 
@@ -14,5 +13,3 @@ vs_status vs_compare_page_check(const char *folder, vs_error *err);
  * --json` prints of the two. Errors: a file of a run is broken; gnuplot is missing or fails; the
  * page cannot be written. */
 vs_status vs_compare_page_write(const char *json, const char *folder, vs_error *err);
-
-#endif

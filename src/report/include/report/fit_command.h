@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `fit`: finds parameters of scenes from measurements, and reports them. */
-#ifndef VS_REPORT_FIT_COMMAND_H
-#define VS_REPORT_FIT_COMMAND_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -28,5 +27,3 @@ vs_status vs_fit_command_run(const vs_fit_command_options *options, vs_error *er
 /* For the command `check`: reads a fit, up to its first mistake, and adds a line that describes it.
  * Errors: those of vs_fit_problem_read. */
 vs_status vs_fit_command_check(const vs_check_options *options, vs_text *good, vs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What all HTML pages share: their beginning and end, style, texts, cells and pictures. */
-#ifndef VS_REPORT_HTML_H
-#define VS_REPORT_HTML_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -49,5 +48,3 @@ typedef struct vs_html_picture {
 /* Adds a figure with the picture in a frame. Each picture is a document of its own, so that their
  * scripts do not interfere; cursors stand at the same time in all of a page. */
 void vs_html_picture_add(vs_html *html, const vs_html_picture *picture);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The picture of a run's verdict: one bar per line, as long as its margin. */
-#ifndef VS_REPORT_MARGIN_BARS_H
-#define VS_REPORT_MARGIN_BARS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -24,9 +23,9 @@ vs_status vs_margin_bars_draw(const char *folder, bool quiet, vs_error *err);
  * belongs to. NaN: not known. */
 void vs_margin_bars_stress(const vs_node *line, double *value, double *limit);
 
-/* True if no source says the limit of a line of the verdict, or a figure that its stress is made of.
- */
-bool vs_margin_bars_assumed(const vs_node *line);
+/* " (assumed)", " (typical)" or both, of the limit of a line of the verdict, or of a figure that
+ * its stress is made of; else nothing. */
+const char *vs_margin_bars_unsure(const vs_node *line);
 
 /* True for a rating whose ends are both lines of devices as well, with the same values and limits:
  * v_ak beside v_forward and v_reverse. Pictures and pages show it once. */
@@ -35,5 +34,3 @@ bool vs_margin_bars_repeats(const vs_node *verdict, const vs_node *line);
 /* Adds the picture to a page; adds nothing if the verdict has no line. Error: gnuplot is missing or
  * fails. */
 vs_status vs_margin_bars_add(const vs_node *summary, vs_html *html, vs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `plot` of a run's folder: the pictures of report/plot/sheets.h, drawn by gnuplot. */
-#ifndef VS_REPORT_PLOT_H
-#define VS_REPORT_PLOT_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -28,5 +27,3 @@ vs_status vs_plot_check(const vs_plot_options *options, vs_error *err);
  * picture, or not the one that -o names, has a recorded column; the overlay does not fit; gnuplot
  * is missing or fails. */
 vs_status vs_plot_command(const vs_plot_options *options, vs_error *err);
-
-#endif

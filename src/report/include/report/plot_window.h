@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `plot` with options for probes, a stretch of time, several runs, spectra or orbits.
  */
-#ifndef VS_REPORT_PLOT_WINDOW_H
-#define VS_REPORT_PLOT_WINDOW_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -27,5 +26,3 @@ vs_status vs_plot_window_command(const vs_plot_window_options *options, vs_error
 
 /* True if an event of the scene begins in this folder's run. */
 bool vs_plot_window_wanted(const char *folder);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `plot` for a study's folder: report.html, which needs no other file, and each of its
  * pictures as PNG beside it. */
-#ifndef VS_REPORT_REPORT_H
-#define VS_REPORT_REPORT_H
+#pragma once
 
 #include "report/plot.h"
 #include "study/method.h"
@@ -13,5 +12,3 @@
  * fails. */
 vs_status vs_report_command(const vs_plot_options *options, const vs_method *const *methods,
                             vs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The page of one run, report.html: verdict, energy flow, waveforms, measures, parameters. */
-#ifndef VS_REPORT_RUN_PAGE_H
-#define VS_REPORT_RUN_PAGE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -19,5 +18,3 @@ vs_status vs_run_page_write(const char *folder, bool quiet, vs_error *err);
 void vs_run_page_head(vs_html *html, const char *folder, const vs_node *summary, double until_s);
 void vs_run_page_verdict(vs_html *html, const vs_node *summary);
 void vs_run_page_values(vs_html *html, const vs_node *summary);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How a column's numbers are shown: in which unit, and on a linear or logarithmic axis. Also
  * colours that print well and that colour-blind people can tell apart. */
-#ifndef VS_REPORT_SCALE_H
-#define VS_REPORT_SCALE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -31,5 +30,3 @@ extern const char *const vs_scale_colours[VS_COLOURS];
 extern const char vs_scale_colour_good[], vs_scale_colour_bad[]; /* blue, vermilion */
 /* gnuplot's palette, in which lightness rises with the value (viridis). */
 extern const char vs_scale_palette[];
-
-#endif

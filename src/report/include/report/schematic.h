@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A deck's main circuit as a schematic, an SVG picture that is made from the parsed netlist. */
-#ifndef VS_REPORT_SCHEMATIC_H
-#define VS_REPORT_SCHEMATIC_H
+#pragma once
 
 #include "base/tree.h"
 #include "netlist/deck.h"
@@ -30,5 +29,3 @@ vs_status vs_schematic_of_deck(const char *name, vs_html *out, vs_error *err);
  * the run had no circuit, or where the deck is not one that comes with the program: another file
  * may have changed since. */
 void vs_schematic_add(const vs_node *summary, vs_html *html);
-
-#endif

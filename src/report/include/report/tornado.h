@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The tornado picture of `sensitivity`: for each measure a bar for each key, the longest on top. */
-#ifndef VS_REPORT_TORNADO_H
-#define VS_REPORT_TORNADO_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -13,5 +12,3 @@ bool vs_tornado_here(const char *folder);
 /* Draws tornado.png and tornado.svg from the folder's sensitivity.csv. Errors: it cannot be read;
  * gnuplot is missing or fails. */
 vs_status vs_tornado_draw(const char *folder, bool quiet, vs_error *err);
-
-#endif

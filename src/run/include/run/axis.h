@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * An axis: one scene key that differs from case to case, its unit, and what a study lists of it. */
-#ifndef VS_RUN_AXIS_H
-#define VS_RUN_AXIS_H
+#pragma once
 
 #include <stdint.h>
 
@@ -68,5 +67,3 @@ bool vs_axis_print(const vs_axis *axis, double number, char *text, size_t size);
 /* Puts the axis' number, with so many digits and its unit, or its word into a scene's tree. Where
  * study.csv has 12 digits of it, the scene has no more. */
 void vs_axis_put(const vs_axis *axis, double number, int digits, vs_tree *tree);
-
-#endif

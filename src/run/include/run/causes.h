@@ -3,8 +3,7 @@
  * violated. The scene is run once more, up to the last instant that is asked for. There the signals
  * of the whole circuit tell which branches a device's current comes from, or which elements its
  * voltage is made of. */
-#ifndef VS_RUN_CAUSES_H
-#define VS_RUN_CAUSES_H
+#pragma once
 
 #include <stdio.h>
 
@@ -31,5 +30,3 @@ void vs_causes_free(vs_causes *causes);
 void vs_causes_show(const vs_causes *causes, FILE *out);
 /* Adds the member "cause" to that line of the verdict in a summary, if the line was looked at. */
 void vs_causes_json(const vs_causes *causes, const vs_judgement *of, vs_json *json);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A value with its unit, as people read it: four significant digits, and the prefix that leaves one
  * to three digits before the point. */
-#ifndef VS_RUN_ENGINEERING_H
-#define VS_RUN_ENGINEERING_H
+#pragma once
 
 enum { VS_ENGINEERING_SIZE = 48 };
 
@@ -12,8 +11,6 @@ enum { VS_ENGINEERING_SIZE = 48 };
 const char *vs_engineering_text(double value, const char *unit, char text[VS_ENGINEERING_SIZE]);
 
 /* Writes both ends of a range with one unit, that of the larger one, and returns the text:
- * "-244.2 .. 264.9 um". */
+ * "-244.2 um .. 264.9 um". */
 const char *vs_engineering_range(double least, double largest, const char *unit,
                                  char text[2 * VS_ENGINEERING_SIZE]);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the command `check` is asked, and what its hooks find out. */
-#ifndef VS_RUN_FINDINGS_H
-#define VS_RUN_FINDINGS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -41,5 +40,3 @@ struct vs_check_options {
   vs_status (*trial)(const vs_check_options *options, bool is_deck, vs_check_bench *bench,
                      vs_error *err);
 };
-
-#endif

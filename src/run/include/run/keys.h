@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The keys of a scene by their dotted names ("firing.angle", "actuator.stop.stiffness",
  * "events.dip.at", "instruments.p.noise"), for whoever varies one. */
-#ifndef VS_RUN_KEYS_H
-#define VS_RUN_KEYS_H
+#pragma once
 
 #include "run/scene.h"
 
@@ -59,5 +58,3 @@ double vs_key_spread_at(const vs_spreads *spreads, size_t n, size_t corner);
  * an end out of the key's range, more keys than VS_SPREADS_MOST.
  */
 vs_status vs_key_spreads(const vs_scene *scene, vs_spreads *spreads, vs_error *err);
-
-#endif

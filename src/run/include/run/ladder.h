@@ -2,8 +2,7 @@
  * What is tried when a solver gives up on a scene: the same scene with other settings, one rung
  * after the other. A rung is a few keys that a user could set. The result says how far was climbed.
  */
-#ifndef VS_RUN_LADDER_H
-#define VS_RUN_LADDER_H
+#pragma once
 
 #include "run/scene.h"
 
@@ -37,5 +36,3 @@ bool vs_ladder_stopped_short(const vs_scene *scene);
  * Errors: those of vs_scene_with; `other` is freed with vs_scene_free also after one. */
 vs_status vs_ladder_scene(const vs_ladder *ladder, const vs_scene *scene, vs_scene *other,
                           vs_error *err);
-
-#endif

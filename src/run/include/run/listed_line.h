@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The numbers of the verdict's lines, as columns of a study and as what sensitivities are of. */
-#ifndef VS_RUN_LISTED_LINE_H
-#define VS_RUN_LISTED_LINE_H
+#pragma once
 
 #include "run/listed_measure.h"
 
@@ -23,5 +22,3 @@ vs_value vs_listed_line_value(const vs_judgement *line, const char *number);
  * no number is known. Where a probe has several ratings, the one with the least margin counts. */
 bool vs_listed_line_at(const vs_frame *frame, const vs_result *result, int k,
                        vs_listed_measure *shown);
-
-#endif

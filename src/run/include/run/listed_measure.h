@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The measures of a run as they are shown, in tables, JSON and a study's columns: by name, in the
  * unit of their kind, with the limit they are held against. */
-#ifndef VS_RUN_LISTED_MEASURE_H
-#define VS_RUN_LISTED_MEASURE_H
+#pragma once
 
 #include "run/result.h"
 
@@ -26,7 +25,7 @@ typedef struct vs_listed_measure {
   const char *limit_unit; /* of a margin; NULL: it is none */
   bool at_least;          /* the limit is the least allowed, not the most */
   bool own;        /* of a margin: the scene itself rates it, which `waive` does not leave out */
-  bool assumed;    /* of a margin: no source says the limit, or a figure that the stress is made of */
+  unsigned unsure; /* of a margin: of its limit, and of figures that the stress is made of */
   int left_out_by; /* of a margin: see vs_expect_left_out_by */
   int sense;     /* of a margin: 1, it is 1 - stress / limit; -1, stress / limit - 1; 0, neither, as
                     of a limit of 0 */
@@ -47,5 +46,3 @@ typedef struct vs_listed_measure {
  * have begun with this frame. */
 bool vs_listed_measure_at(const vs_frame *frame, const vs_result *result, int k,
                           vs_listed_measure *shown);
-
-#endif

@@ -7,8 +7,7 @@
  * A measure is one that the run shows (run/listed_measure.h), or a harmonic of a current whose
  * quality it tells. A probe is any channel that can be recorded; its least and its largest value
  * count. */
-#ifndef VS_RUN_RATINGS_H
-#define VS_RUN_RATINGS_H
+#pragma once
 
 #include "base/json.h"
 #include "measure/quality.h"
@@ -60,8 +59,8 @@ typedef struct vs_ratings_seen {
   const vs_watchers *watchers;
   const vs_quality *quality; /* of the scene's currents; NULL: it was not told */
   int n_quality;
-  const char *no_pull_in; /* vs_result.no_pull_in */
-  double until_s;         /* its end */
+  const char *no_pull_in, *lets_go; /* vs_result has them */
+  double until_s;                   /* its end */
 } vs_ratings_seen;
 
 /* Adds the lines of all ratings to a verdict that was reached. The ratings must outlive it. */
@@ -71,5 +70,3 @@ void vs_ratings_judge(const vs_ratings *ratings, const vs_ratings_seen *seen, vs
 void vs_ratings_json(const vs_ratings *ratings, vs_json *json);
 /* Adds what the ratings say to a text that a run is known by. */
 void vs_ratings_identify(const vs_ratings *ratings, vs_text *text);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What one run of a scene came to, and what is to be warned of in it. */
-#ifndef VS_RUN_RESULT_H
-#define VS_RUN_RESULT_H
+#pragma once
 
 #include "control/loop.h"
 #include "measure/verdict.h"
@@ -55,6 +54,7 @@ typedef struct vs_result {
   vs_quality *quality; /* of the scene's currents, in their order, owned; NULL: it names none */
   int n_quality;
   char no_pull_in[128]; /* why the armature did not pull in; empty: it did, or nobody asks */
+  char lets_go[128];    /* when it let go while the coil was driven; empty: it did not */
   char books[512];      /* what the energy audit finds; empty: nothing */
   vs_verdict verdict;
   const vs_corners *corners;      /* borrowed; NULL: only nominal values were run */
@@ -91,5 +91,3 @@ bool vs_result_steps_are_short(const vs_result *result, char *text, size_t size)
  * nothing fires is not said of a run shorter than a cycle of the mains: whoever asks for one does
  * not wait for a firing. */
 void vs_result_warn(const vs_result *result);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A scene as it was read: the numbers of a run, what it records, what was measured of the machine,
  * which tier runs it and why. */
-#ifndef VS_RUN_SCENE_H
-#define VS_RUN_SCENE_H
+#pragma once
 
 #include "base/path.h"
 #include "control/control.h"
@@ -80,5 +79,3 @@ void vs_scene_warn(const vs_scene *scene);
  * tier has. The scene must have been settled without an error. asks: "--raw"; it must outlive the
  * scene. Error: another tier is named. */
 vs_status vs_scene_take_circuit(vs_scene *scene, const char *asks, vs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The sections of a scene: the one table that says which keys may stand at a scene's top, which of
  * them have fields, and where a setup keeps the values of these fields. */
-#ifndef VS_RUN_SECTIONS_H
-#define VS_RUN_SECTIONS_H
+#pragma once
 
 #include "engine/sim.h"
 
@@ -73,5 +72,3 @@ vs_filled_section vs_section_at(const vs_setup *setup, int index);
 bool vs_section_counts(const vs_setup *setup, int index);
 /* The same section without a setup, with that machine and that deck for the scene's. */
 const vs_section *vs_section_fields(const vs_machine *machine, const vs_deck *deck, int index);
-
-#endif

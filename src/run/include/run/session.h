@@ -2,8 +2,7 @@
  * One run of one scene, from its setup to its result: the watchers, the ladder, the second run and
  * the verdict. The session is the only caller of the sim, so that whoever wants a run (the command
  * `run`, a case of a study, an orbit, a test) is told the same. */
-#ifndef VS_RUN_SESSION_H
-#define VS_RUN_SESSION_H
+#pragma once
 
 #include <signal.h>
 
@@ -91,5 +90,3 @@ vs_status vs_session_try(const vs_tier *tier, const vs_setup *setup, vs_error *e
  * is a rate over microseconds. */
 double vs_session_other_tolerance(double tolerance);
 double vs_session_resolution(double tolerance, bool of_rate);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The result of one run as a table for people. */
-#ifndef VS_RUN_SHOW_H
-#define VS_RUN_SHOW_H
+#pragma once
 
 #include <stdio.h>
 
@@ -44,5 +43,3 @@ void vs_show_classes(const vs_drawn_current *drawn, FILE *out);
 /* The line of a table's head that names the machine and what feeds it: "machine conveyor, supply
  * 440 V rms, 50 Hz". */
 void vs_show_machine_and_supply(const vs_setup *setup, FILE *out);
-
-#endif

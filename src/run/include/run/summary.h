@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The result of one run as JSON for programs: the file summary.json. */
-#ifndef VS_RUN_SUMMARY_H
-#define VS_RUN_SUMMARY_H
+#pragma once
 
 #include "base/json.h"
 #include "run/result.h"
@@ -30,5 +29,3 @@ void vs_summary_scene(vs_json *json, const vs_scene *scene);
  * more: what is added; NULL: nothing. */
 void vs_summary_json(const vs_result *result, bool with_cost, const vs_summary_more *more,
                      vs_text *json);
-
-#endif

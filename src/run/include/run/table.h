@@ -10,8 +10,7 @@
  * rows stand at the peak's feet, the nearest instants before and behind it at which a tenth of its
  * height is left, so that a curve through the rows is about as wide as the peak is. Instants are
  * the ends of steps, and those at which the measures have found an extreme within a step. */
-#ifndef VS_RUN_TABLE_H
-#define VS_RUN_TABLE_H
+#pragma once
 
 #include <stdio.h>
 
@@ -97,5 +96,3 @@ typedef enum vs_table_peaks {
 vs_table_peaks vs_table_found(const vs_table *table);
 /* Frees what vs_table_begin has made; may be called at any time. */
 void vs_table_end(vs_table *table);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Which tier runs a scene: the one that is asked for, or the simplest that has all it names; and
  * whether that tier would ignore something that the scene says. */
-#ifndef VS_RUN_TIER_CHOICE_H
-#define VS_RUN_TIER_CHOICE_H
+#pragma once
 
 #include "engine/tiers.h"
 
@@ -23,5 +22,3 @@ bool vs_tier_choice_is_known(const vs_node *root, const vs_setup *setup);
  * has this tier. A check carries on. */
 vs_status vs_tier_choice_check(const vs_node *root, const vs_setup *setup, const vs_tier *tier,
                                const char *why, vs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * One run of a scene that is kept in memory, for those who ask for its numbers instead of showing
  * them: comparisons and tests. */
-#ifndef VS_RUN_TRIAL_H
-#define VS_RUN_TRIAL_H
+#pragma once
 
 #include "run/session.h"
 
@@ -25,5 +24,3 @@ vs_trial *vs_trial_run(const char *scene, const char *tier, const char *const *s
 vs_trial *vs_trial_read(const char *scene, const char *tier, const char *const *sets);
 void vs_trial_go(vs_trial *trial, const vs_observer *also);
 void vs_trial_free(vs_trial *trial);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Which program wrote a file: its version, and those of the libraries its numbers depend on. */
-#ifndef VS_RUN_VERSION_H
-#define VS_RUN_VERSION_H
+#pragma once
 
 #include "base/json.h"
 
@@ -11,5 +10,3 @@ void vs_version_json(vs_json *json);
 /* Returns a digest over the program's sources (tools/sources.cmake). Programs of
  * one version differ in it where they were built between two releases. */
 const char *vs_version_sources(void);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What is to be warned of in a scene, a deck or a part before any run. */
-#ifndef VS_RUN_WARNINGS_H
-#define VS_RUN_WARNINGS_H
+#pragma once
 
 #include "control/control.h"
 #include "measure/instruments.h"
@@ -44,5 +43,3 @@ const char *vs_warnings_without_mains(const vs_deck *deck);
 double vs_warnings_first_chance(const vs_setup *setup, const vs_frame *frame, double until_s);
 /* What a check and a run say where that is INFINITY; a part of a sentence. */
 const char *vs_warnings_no_chance(const vs_frame *frame);
-
-#endif

@@ -2,8 +2,7 @@
  * A study's folder as it is read. manifest.json says what was asked, study.csv, or study.csv.zst,
  * holds a row for each case, failures.csv one for each case that failed. Rows are shown one by one
  * and are never in memory all at once. */
-#ifndef VS_STUDY_FOLDER_H
-#define VS_STUDY_FOLDER_H
+#pragma once
 
 #include "base/path.h"
 #include "base/tree.h"
@@ -136,5 +135,3 @@ vs_status vs_folder_each_failure(const vs_folder *table, vs_folder_visit visit, 
 /* Reads the number in a cell; NaN where the cell is empty, "nan" or infinite. false: the cell holds
  * something else. */
 bool vs_folder_number(const char *cell, double *value);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The formats in which a study's rows are written (`--format`), and where its file of rows is
  * whichever it was. */
-#ifndef VS_STUDY_FORMAT_H
-#define VS_STUDY_FORMAT_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -29,5 +28,3 @@ vs_status vs_format_find(const char *name, const vs_format **format, vs_error *e
 /* Writes to path where the folder's file of rows is, whatever its format. Returns false, and writes
  * where that of the default format would be, if it has none. */
 bool vs_format_find_rows(const char *folder, char path[VS_PATH_SIZE]);
-
-#endif

@@ -2,8 +2,7 @@
  * What a house asks of the lines of a verdict besides their limits, and what a row of a study comes
  * to by it: a margin of every limit, a part of a limit, waived lines, a criterion for what happens.
  * Rows have all the numbers that it takes, so that nothing is run again. */
-#ifndef VS_STUDY_HOLD_H
-#define VS_STUDY_HOLD_H
+#pragma once
 
 #include "base/error.h"
 #include "base/field.h"
@@ -88,5 +87,3 @@ bool vs_hold_rest(const vs_hold *hold, bool broken, const char *warnings, vs_hol
 
 /* True if the first margin is weaker than the other, as vs_verdict_is_weaker has it. */
 bool vs_hold_is_weaker(double margin, double error, double other, double of_other);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Shards of a study: which of its cases one process runs, and how the shards become one (the
  * command `merge`). */
-#ifndef VS_STUDY_MERGE_H
-#define VS_STUDY_MERGE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -28,5 +27,3 @@ typedef struct vs_merge_options {
  * the shards are of different studies, another study's result is where this one's shall go; VS_RUN,
  * a case had failed, or a file could not be written; VS_RATING, in some a rating is violated. */
 vs_status vs_merge_command(const vs_merge_options *options, vs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A method chooses the cases of a study. Each is one const struct; the table of them, which NULL
  * ends, comes from main. What a report needs to know of the method stands in the struct, too. */
-#ifndef VS_STUDY_METHOD_H
-#define VS_STUDY_METHOD_H
+#pragma once
 
 #include "base/json.h"
 #include "run/axis.h"
@@ -41,7 +40,7 @@ typedef struct vs_method {
   bool takes_cases; /* a search whose cases may be those of the study's threats */
 
   /* Says whether the section under `key` asks for this method. Of several the first in the table is
-   * taken. */
+   * taken. NULL: it always does. */
   bool (*claims)(const vs_node *section);
 
   /* Reads the section: adds axes (vs_plan_axis, vs_axis_values), registers the columns it needs
@@ -134,5 +133,3 @@ const vs_method *vs_method_claiming(const vs_method *const *methods, const vs_no
 /* The keys that methods stand under, each once, in the table's order: fills keys[], which has room
  * for vs_method_count of them, and returns how many they are. */
 size_t vs_method_keys(const vs_method *const *methods, const char **keys);
-
-#endif

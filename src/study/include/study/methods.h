@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The table of all methods. A new one is a file with its const struct, and a row in the table. */
-#ifndef VS_STUDY_METHODS_H
-#define VS_STUDY_METHODS_H
+#pragma once
 
 #include "study/method.h"
 
@@ -19,5 +18,3 @@ extern const vs_method vs_worst_method;      /* find: a search for the worst cas
 extern const vs_method vs_snubber_method;    /* snubber: a search for the cheapest one that holds */
 extern const vs_method vs_design_method;     /* catalogue: a search for the cheapest parts */
 extern const vs_method vs_derivative_method; /* sensitivity: derivatives as columns of each case */
-
-#endif

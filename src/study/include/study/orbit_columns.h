@@ -5,8 +5,7 @@
  *
  * runs in each case what `vibrospice steady` runs: one period of the orbit. Its cases have the
  * measures of the orbit (orbit/steady.h) as columns, too, and some that stand for lists there. */
-#ifndef VS_STUDY_ORBIT_COLUMNS_H
-#define VS_STUDY_ORBIT_COLUMNS_H
+#pragma once
 
 #include "base/field.h"
 #include "orbit/steady.h"
@@ -35,5 +34,3 @@ bool vs_orbit_columns_at(const vs_orbit_columns *of, int k, vs_listed_measure *s
 /* The k-th measure that an orbit's case reports unasked, besides those of every run; false: there
  * are no more. They are all of the orbit's but the harmonics. */
 bool vs_orbit_columns_default(const vs_steady *steady, int k, vs_listed_measure *shown);
-
-#endif

@@ -15,8 +15,7 @@
  * A study that has vary and sample runs all pairs of their points, the last one's index running
  * fastest. A method that chooses its cases by earlier ones' results (find, snubber) uses all axes
  * itself, by their ranges, lists and spreads; the points of vary and sample are then not run. */
-#ifndef VS_STUDY_PLAN_H
-#define VS_STUDY_PLAN_H
+#pragma once
 
 #include <stdint.h>
 
@@ -40,7 +39,7 @@ typedef struct vs_report_column {
                       NaN: it has none, or not in every case the same one */
   bool at_least;   /* the limit is the least allowed; false: it is the most */
   bool own;        /* of a margin, see vs_listed_measure */
-  bool assumed;    /* the same, in any case */
+  unsigned unsure; /* the same, in any case */
   int left_out_by; /* the same */
   int sense;       /* of a margin, see vs_listed_measure; 0, too, where cases differ */
   vs_where where;
@@ -167,5 +166,3 @@ typedef struct vs_generation {
   size_t n_axes, count, capacity;
 } vs_generation;
 void vs_plan_generation_add(vs_generation *generation, const double *point);
-
-#endif

@@ -8,8 +8,7 @@
  *   C_47n,capacitor,47 nF,0.25,1.5,     of this one
  *
  * The columns part and kind are wanted, value may be missing, all others are the user's own. */
-#ifndef VS_STUDY_PRICE_LIST_H
-#define VS_STUDY_PRICE_LIST_H
+#pragma once
 
 #include "base/error.h"
 #include "base/path.h"
@@ -53,5 +52,3 @@ size_t vs_price_list_series(const char *series, double from, double to, double *
 /* Returns the value of the series next above the given one (step 1) or next below (-1). NaN: there
  * is no such series. */
 double vs_price_list_neighbour(const char *series, double value, int step);
-
-#endif

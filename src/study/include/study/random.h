@@ -2,8 +2,7 @@
  * Random numbers that are looked up, not drawn. Each is a function of seed, case and axis alone, so
  * a case is the same in every order, shard and process. The numbers are made into points that fill
  * a cube evenly, into distributions and into correlated ones. */
-#ifndef VS_STUDY_RANDOM_H
-#define VS_STUDY_RANDOM_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -64,5 +63,3 @@ vs_correlation *vs_random_correlation(size_t axes, const double *matrix);
 /* Makes u[axes], which are independent and uniform, correlated ones. An axis without correlation
  * keeps its number to the last bit. */
 void vs_random_correlate(const vs_correlation *correlation, double *u);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `study`. */
-#ifndef VS_STUDY_STUDY_H
-#define VS_STUDY_STUDY_H
+#pragma once
 
 #include <signal.h>
 
@@ -30,5 +29,3 @@ typedef struct vs_study_options {
 /* Runs the study. Errors: VS_INPUT, and nothing is written; VS_RUN, a case failed, or a file could
  * not be written; VS_RATING, all cases ran, and in some a rating is violated; VS_SIGNAL. */
 vs_status vs_study_command(const vs_study_options *options, vs_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What `check` says of a study. */
-#ifndef VS_STUDY_STUDY_CHECK_H
-#define VS_STUDY_STUDY_CHECK_H
+#pragma once
 
 #include "run/findings.h"
 #include "study/method.h"
@@ -14,5 +13,3 @@ bool vs_study_check_is_study(const char *name, const vs_method *const *methods);
  * On success it adds one line that describes the study to good. */
 vs_status vs_study_check_read(const vs_check_options *options, const vs_method *const *methods,
                               vs_text *good, vs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What one reading of study.csv tells: the columns' ranges, the verdict over all cases, what is
  * weakest how often, the worst cases, why some failed. */
-#ifndef VS_STUDY_STUDY_RESULTS_H
-#define VS_STUDY_STUDY_RESULTS_H
+#pragma once
 
 #include "study/folder.h"
 
@@ -87,5 +86,3 @@ vs_extent vs_study_results_extent(const vs_profile *profile);
 void vs_study_results_keep(vs_kept *kept, size_t *count, size_t most, double key,
                            const vs_folder_row *row);
 void vs_study_results_kept_free(vs_kept *kept, size_t count, size_t cells);
-
-#endif
