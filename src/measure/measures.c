@@ -306,7 +306,8 @@ static double allowed_of_probe(const vs_deck *deck, int probe) {
 static const double FAR = 0.1;
 static bool is_of_no_account(const vs_measures *m, int probe, int which) {
   const vs_extreme *e = &vs_measures_of_probe(m, probe)[which];
-  return fabs(e->best.value) + e->stands < FAR * allowed_of_probe(m->frame->deck, probe);
+  const double most = allowed_of_probe(m->frame->deck, probe);
+  return isfinite(most) && fabs(e->best.value) + e->stands < FAR * most;
 }
 
 bool vs_measures_are_sharp(const vs_measures *m, char *text, size_t size) {

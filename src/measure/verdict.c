@@ -440,6 +440,15 @@ bool vs_verdict_is_weaker(const vs_judgement *a, const vs_judgement *b) {
   return certain ? a->margin < b->margin : least_margin(a) < least_margin(b);
 }
 
+bool vs_verdict_is_doubled(const vs_judgement *const *line, size_t count, const vs_judgement *j) {
+  bool doubled = false;
+  for (size_t k = 0; k < count && j->probe; k++)
+    doubled = doubled || (line[k]->device && line[k]->stress.at_s == j->stress.at_s &&
+                          fabs(fabs(line[k]->stress.value) - fabs(j->stress.value)) <=
+                              1e-9 * fabs(j->stress.value));
+  return doubled;
+}
+
 static void find_weakest(vs_verdict *v) {
   v->weakest = NULL;
   for (size_t k = 0; k < v->count; k++) {

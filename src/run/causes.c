@@ -238,17 +238,6 @@ static int by_margin(const void *left, const void *right) {
   return (a->margin > b->margin) - (a->margin < b->margin);
 }
 
-/* True for a rating of the deck whose instant is that of a device's line among them, as v_ak's is
- * that of thyristor.v_reverse. */
-static bool is_doubled(const vs_judgement *const *line, size_t count, const vs_judgement *j) {
-  bool doubled = false;
-  for (size_t k = 0; k < count && j->probe; k++)
-    doubled = doubled || (line[k]->device && line[k]->stress.at_s == j->stress.at_s &&
-                          fabs(fabs(line[k]->stress.value) - fabs(j->stress.value)) <=
-                              1e-9 * fabs(j->stress.value));
-  return doubled;
-}
-
 static void choose_lines(vs_causes *c) {
   const vs_verdict *v = &c->result->verdict;
   const vs_judgement **line = vs_alloc(v->count, sizeof *line);
@@ -259,7 +248,7 @@ static void choose_lines(vs_causes *c) {
   qsort(line, count, sizeof *line, by_margin);
   if (!count && v->weakest) line[count++] = v->weakest;
   for (size_t k = 0; k < count; k++)
-    if (!is_doubled(line, count, line[k])) add_cause(c, line[k]);
+    if (!vs_verdict_is_doubled(line, count, line[k])) add_cause(c, line[k]);
   free(line);
 }
 

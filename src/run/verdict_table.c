@@ -169,7 +169,11 @@ static void print_happening(const vs_judgement *j, FILE *out) {
   if (j->stress.value > 1) fprintf(out, ", %.0f times", j->stress.value);
   fprintf(out, " (%s", j->cause);
   print_models(j, "; ", "", out);
-  fprintf(out, ")%s%s\n", j->expected ? ", as expected" : "",
+  const bool opens = !strcmp(vs_kinds_happening(j->measure)->what, "fuse_opens");
+  fprintf(out, ")%s%s\n",
+          j->expected || j->allowed ? ", as expected"
+          : opens                   ? "; expect: [C] allows it, and judges what else is at stake"
+                                    : "",
           vs_verdict_word(j) == VS_UNDECIDED ? ", in one of two runs" : "");
 }
 
@@ -465,8 +469,8 @@ static void tell_rest(const vs_judgement *const *all, size_t shown, size_t of_al
   fputc('\n', out);
 }
 
-/* The weakest lines whatever they are of, and the tightest of each other device, as far as there is
- * room. */
+/* The weakest lines whatever they are of, each stress once, and the tightest of each other device,
+ * as far as there is room. */
 void vs_verdict_table_tightest(const vs_verdict *v, int room, FILE *out) {
   const vs_judgement **line = vs_alloc(v->count, sizeof *line);
   size_t count = 0, shown = 0;
@@ -474,6 +478,9 @@ void vs_verdict_table_tightest(const vs_verdict *v, int room, FILE *out) {
     if (isfinite(v->item[k].margin) && !v->item[k].waived && !vs_verdict_is_happening(&v->item[k]))
       line[count++] = &v->item[k];
   qsort(line, count, sizeof *line, by_weakness);
+  for (size_t k = count; k-- > 0;)
+    if (line[k] != v->weakest && vs_verdict_is_doubled(line, count, line[k]))
+      memmove(line + k, line + k + 1, (--count - k) * sizeof *line);
   const int width = width_of_names(v);
   if (count)
     fprintf(out, "\n  %-*s %11s %11s %-5s %11s %8s\n", width, "tightest", "stress", "limit", "",

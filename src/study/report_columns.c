@@ -116,7 +116,7 @@ static void fill_column(vs_report_column *column, const vs_listed_measure *m, bo
   snprintf(column->name, sizeof column->name, "%s", m->name);
   snprintf(column->unit, sizeof column->unit, "%s", m->unit);
   snprintf(column->of, sizeof column->of, "%s", m->of);
-  snprintf(column->text, sizeof column->text, "%.*s", VS_DECK_TEXT - 1, m->text);
+  snprintf(column->text, sizeof column->text, "%s", m->text);
   snprintf(column->limit_unit, sizeof column->limit_unit, "%s", m->limit_unit ? m->limit_unit : "");
   column->rating = m->limit;
   column->at_least = m->at_least;

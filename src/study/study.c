@@ -72,7 +72,8 @@ typedef struct session {
   int way;       /* of VS_JUDGE_WAYS, that judges at present */
   size_t picked; /* the next of judge.picked to deal */
   double began_s, shown_s;
-  bool show; /* progress is shown on a terminal */
+  bool show;     /* progress is shown on a terminal */
+  double tell_s; /* without one it is told next so long after began_s */
 } session;
 
 /* ---- a study, from top to bottom ---- */
@@ -173,11 +174,23 @@ static session *begin_session(const vs_study_options *o) {
   return s;
 }
 
-/* Frees the session, and says of one that a signal ended how to go on. */
+static vs_results cases_results(const vs_cases *c, uint64_t count);
+/* Says of a study that a signal ended how to go on, and how far it came. */
+static void say_stopped(const session *s, vs_error *err) {
+  const vs_plan_stage *stage = s->plan.adaptive;
+  const vs_results results = cases_results(&s->cases, s->cases.answered);
+  vs_text found = {0};
+  char of[32];
+  snprintf(of, stage ? 1 : sizeof of, " of %llu", (unsigned long long)s->total);
+  vs_text_add(&found, stage && stage->method->say && results.count ? "; so far: " : "");
+  if (found.length) stage->method->say(&s->plan, stage, &results, &found);
+  vs_fail(err, VS_SIGNAL, "stopped by a signal; --resume goes on: %llu%s cases are done%s",
+          (unsigned long long)(s->journal.done + s->journal.failed), of, found.text);
+  vs_text_free(&found);
+}
+
 static vs_status end_session(session *s, vs_status status, vs_error *err) {
-  if (status == VS_SIGNAL && s->o->folder)
-    status = vs_fail(err, VS_SIGNAL, "stopped by a signal; --resume goes on: %llu cases are done",
-                     (unsigned long long)(s->journal.done + s->journal.failed));
+  if (status == VS_SIGNAL && s->o->folder) say_stopped(s, err);
   if (s->named && !s->o->folder) discard_folder(s);
   vs_journal_close(&s->journal);
   vs_plan_free(&s->plan);
@@ -501,16 +514,18 @@ static vs_status record_row(void *ctx, const vs_answer *answer, vs_error *err) {
 
 /* ---- progress ---- */
 
-static void print_progress(const session *s, double now) {
-  uint64_t over = s->journal.done + s->journal.failed;
+/* Without a terminal it is told after 10 s, and whenever that has doubled, or 10 minutes later. */
+static const double TOLD_S = 10, TOLD_EACH_S = 600;
+static void print_progress(session *s, double now) {
+  const unsigned long long over = s->journal.done + s->journal.failed, failed = s->journal.failed;
   double rate = (double)(over - s->before) / fmax(now - s->began_s, 1e-9);
-  double left = rate > 0 ? (double)(s->total - over) / rate : NAN;
+  double left = rate > 0 ? (double)(s->total - over) / rate : INFINITY;
   if (s->o->progress_json) {
     vs_text text = {0};
     vs_json json = vs_json_new(&text);
     vs_json_object(&json, NULL, VS_JSON_ROW);
     vs_json_whole(&json, "done", (int64_t)s->journal.done);
-    vs_json_whole(&json, "failed", (int64_t)s->journal.failed);
+    vs_json_whole(&json, "failed", (int64_t)failed);
     vs_json_whole(&json, "total", (int64_t)s->total);
     if (s->shared) vs_json_whole(&json, "shared", (int64_t)s->shared);
     vs_json_number(&json, "per_s", rate, 6);
@@ -519,10 +534,12 @@ static void print_progress(const session *s, double now) {
     puts(text.text);
     fflush(stdout);
     vs_text_free(&text);
-  } else if (s->show)
-    dprintf(STDERR_FILENO, "\r%llu of %s%llu cases, %llu failed, %.4g a second, %.0f s left \033[K",
-            (unsigned long long)over, s->plan.adaptive ? "at most " : "",
-            (unsigned long long)s->total, (unsigned long long)s->journal.failed, rate, left);
+  } else if (s->show || now - s->began_s >= s->tell_s) {
+    dprintf(STDERR_FILENO, "%s%llu of %s%llu cases, %llu failed, %.4g a second, %.0f s left%s",
+            s->show ? "\r" : "vibrospice: note: ", over, s->plan.adaptive ? "at most " : "",
+            (unsigned long long)s->total, failed, rate, left, s->show ? " \033[K" : "\n");
+    s->tell_s += fmin(s->tell_s, TOLD_EACH_S);
+  }
 }
 
 /* Shows the progress once a second; what it says is done is on the disk by then. */
@@ -614,6 +631,7 @@ static vs_status run_study(session *s, vs_error *err) {
   s->before = s->journal.done + s->journal.failed;
   s->began_s = s->shown_s = vs_budget_clock_s();
   s->show = !s->o->quiet && !s->o->progress_json && isatty(STDERR_FILENO);
+  s->tell_s = s->o->quiet ? INFINITY : TOLD_S;
   if ((uint64_t)jobs > s->total && s->total) jobs = (int)s->total;
   /* a branch would have no file of its own for run.csv */
   bool share = !s->o->alone && !s->o->keep_runs && vs_shared_prefix_applies(&s->plan);

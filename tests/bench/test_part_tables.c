@@ -595,6 +595,12 @@ static void series(void) {
   EXPECT(r.status == 0 && strstr(r.out, "\"c1.v_peak\"") && strstr(r.out, "\"r1_part\""),
          "%d: %s%s", r.status, r.err, r.out);
   free_ran(&r);
+  r = run("check s.yaml --set circuit.r1_part=none");
+  EXPECT(r.status == 0, "%s", r.err);
+  free_ran(&r);
+  r = run("check s.yaml --set circuit.r1_part=");
+  EXPECT(r.status == 2 && strstr(r.err, "circuit.r1_part: a part is wanted, or none"), "%s", r.err);
+  free_ran(&r);
   write_file("s.yaml", "circuit: {deck: halfwave_paper, r1_part: MKP-1000V-100N}\n");
   r = run("check s.yaml");
   EXPECT(r.status == 2 && strstr(r.err, "s.yaml:1:42: circuit.r1_part: mkp-1000v-100n is a part of "

@@ -237,7 +237,21 @@ static void a_fuse_that_opens(void) {
   free_ran(&r);
 }
 
-static const vs_test tests[] = {{"a fuse that opens", a_fuse_that_opens},
+/* The fall of the triac's current to zero, over which (di/dt)c is the mean. */
+static void a_fall_to_zero(void) {
+  ran r = run("run paper --set circuit.deck=triac_feeder --set firing.every=1 --until 30ms "
+              "--set run.verify=never --why --json --quiet "
+              "--set 'waive=[triac.v_drm, v_ak, varistor, fuse_1, r1, c1, triac.dv_dt]'");
+  const char *fall = cause_of(r.out, "device", "triac\", \"measure\": \"di_dt_c");
+  CU_ASSERT_FATAL(fall != NULL);
+  EXPECT(!strncmp(strstr(fall, "\"of\": "), "\"of\": \"fall\"", 12), "%.300s", fall);
+  CLOSE_OF(number_in(fall, "over_s"), 50e-6, 50e-6, 1e-9);
+  CU_ASSERT(number_in(fall, "total") > 0);
+  free_ran(&r);
+}
+
+static const vs_test tests[] = {{"a fall to zero", a_fall_to_zero},
+                                {"a fuse that opens", a_fuse_that_opens},
                                 {"more lines than are told", many_lines},
                                 {"shares by phasors", by_phasors},
                                 {"shares under a surge", under_a_surge},

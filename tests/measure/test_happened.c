@@ -202,10 +202,20 @@ static void the_same_in_a_study(void) {
   SAYS(html, "Not judged: ");
   free(html);
   r = run("run short.yaml -o one");
+  SAYS(r.out, "; expect: [C] allows it");
   free_ran(&r);
+  char *events = read_file("one/events.csv");
+  double last_s = 0;
+  for (char *row = strchr(events, '\n'); row && row[1]; row = strchr(row + 1, '\n')) {
+    const double at_s = strtod(row + 1, NULL);
+    EXPECT(at_s >= last_s, "%s", events);
+    last_s = at_s;
+  }
+  free(events);
   RUN_GOOD("plot one");
   html = read_file("one/report.html");
   SAYS(html, "Happened: fuse_opens of fuse_2 at ");
+  SAYS(html, "Shares are of all that was given");
   SAYS(html, "Not judged: ");
   free(html);
 }

@@ -302,6 +302,9 @@ static void two_thyristors_alike(void) {
   CU_ASSERT(member(r.out, "t1.unintended_firings", "value") == 0);
   CU_ASSERT(member(r.out, "t2.unintended_firings", "value") == 0);
   CU_ASSERT(member(r.out, "t2.i2t", "at_s") < 1e-3);
+  /* of t2's, too, which goes out in the next period */
+  CU_ASSERT(member(r.out, "conduction_time", "value") > 0);
+  CU_ASSERT(member(r.out, "t_extinction", "value") > member(r.out, "t_fire", "value"));
   free_ran(&r);
 }
 

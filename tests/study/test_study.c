@@ -470,9 +470,13 @@ static void a_signal(void) {
   WAIT_UNTIL(file_says("stopped/journal", " = 0,"));
   kill(master, SIGTERM);
   ran r = collect(master);
-  EXPECT(r.status == 75 && strstr(r.err, "--resume goes on"), "%d %s", r.status, r.err);
+  EXPECT(r.status == 75 && strstr(r.err, "--resume goes on: 1 of 2 cases are done"), "%d %s",
+         r.status, r.err);
   free_ran(&r);
   EXPECT_FILES("stopped", "journal ");
+  r = run("plot stopped");
+  EXPECT(r.status == 2 && strstr(r.err, "stopped: this study is not finished"), "%s", r.err);
+  free_ran(&r);
   r = run("study s.yaml -o stopped");
   EXPECT(r.status == 2 && strstr(r.err, "a study was broken off here; --resume goes on with it"),
          "%s", r.err);

@@ -114,11 +114,12 @@ static void take_misfire(const vs_watched *w, vs_reduced *r, const vs_switch_new
                              : "no current followed its gate pulse");
 }
 
-/* Whether a pulse that the run's end cuts off is answered is not known. */
+/* Whether a pulse that the run's end cuts off is answered is not known; that of an orbit goes on at
+ * its beginning. */
 static void finish_misfire(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   const vs_switch *s = w->states;
   (void)end;
-  if (s && s->gate.gates.count && s->gate.on && s->forward && !s->conducted)
+  if (s && !w->at_work && s->gate.gates.count && s->gate.on && s->forward && !s->conducted)
     r->unjudged = "not judged: a gate pulse without current goes on as the run ends";
 }
 

@@ -279,6 +279,17 @@ static vs_status next_design(const vs_plan *plan, const vs_plan_stage *stage,
   return VS_OK;
 }
 
+/* How far a search has come that was stopped. */
+static void say_design(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
+                       vs_text *text) {
+  vs_design_search s;
+  vs_design_search_run(&s, stage->state, plan, results, NULL);
+  vs_text_add(text, "nothing below %.6g holds", vs_design_search_bound(&s));
+  if (s.answer)
+    vs_text_add(text, "; a candidate of %.6g holds what it was run with", s.answer->price);
+  vs_design_search_free(&s);
+}
+
 /* What pages and pictures go by: the run that came nearest to breaking the answer. */
 static void json_design(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
                         vs_json *json) {
@@ -314,6 +325,7 @@ const vs_method vs_design_method = {
     .takes_cases = true,
     .next = next_design,
     .json = json_design,
+    .say = say_design,
     .publish = vs_design_answer_publish,
     .files = vs_design_answer_files,
     .report = {.lead = LEAD,

@@ -16,7 +16,7 @@ typedef enum vs_listed_measure_group {
 } vs_listed_measure_group;
 
 typedef struct vs_listed_measure {
-  char name[VS_JUDGED_NAME], text[VS_DECK_TEXT + 32];
+  char name[VS_JUDGED_NAME], text[2 * VS_DECK_TEXT];
   char of[VS_DECK_NAME]; /* the device, the coordinate or the deck's probe; "": none of these */
   const char *unit;      /* borrowed from the deck or from a table of the program */
   vs_value value;        /* in that unit */

@@ -33,7 +33,7 @@ typedef struct vs_report_column {
   char name[VS_JUDGED_NAME];        /* "thyristor.v_reverse" */
   char column[VS_JUDGED_NAME + 24]; /* "thyristor.v_reverse_v" */
   char of[VS_DECK_NAME];            /* see vs_column */
-  char unit[16], text[VS_DECK_TEXT];
+  char unit[16], text[2 * VS_DECK_TEXT];
   char limit_unit[16]; /* of a margin: of its limit; empty: it is none, or the limit has no unit */
   double rating;   /* the limit it is held against, in unit; of a margin: its limit, in limit_unit.
                       NaN: it has none, or not in every case the same one */
