@@ -180,8 +180,8 @@ static void say_stopped(const session *s, vs_error *err) {
   const vs_plan_stage *stage = s->plan.adaptive;
   const vs_results results = cases_results(&s->cases, s->cases.answered);
   vs_text found = {0};
-  char of[32];
-  snprintf(of, stage ? 1 : sizeof of, " of %llu", (unsigned long long)s->total);
+  char of[32] = "";
+  if (!stage) snprintf(of, sizeof of, " of %llu", (unsigned long long)s->total);
   vs_text_add(&found, stage && stage->method->say && results.count ? "; so far: " : "");
   if (found.length) stage->method->say(&s->plan, stage, &results, &found);
   vs_fail(err, VS_SIGNAL, "stopped by a signal; --resume goes on: %llu%s cases are done%s",
