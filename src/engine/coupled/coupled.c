@@ -243,9 +243,8 @@ static vs_status end_settling_cycle(coupling *c, vs_error *err) {
 
 /* ---- before a step: how far it may go ---- */
 
-/* Events step a direct supply within this time, s: the steepest that the generators of IEC
- * 61000-4-11 do it in, 1 us to 5 us. A step without a width charges the capacitances of what blocks
- * by a current that only the solver's steps limit. */
+/* Events step a direct supply within this time, s (assumed). A step without a width charges the
+ * capacitances of what blocks by a current that only the solver's steps limit. */
 static const double SUPPLY_EDGE_S = 1e-6;
 
 static bool supply_has_edges(const coupling *c) {
