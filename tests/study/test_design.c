@@ -504,9 +504,9 @@ static void not_judged(void) {
                        "under lost (case 0)\n"),
          "%s", r.out);
   expect_end(&r, 1,
-             "!5 candidates could not be judged; no other one holds, and nothing holds below 1.7");
+             "!5 candidates could not be judged; no other one holds, and nothing holds below 2.2");
   char *json = read_file("open/design.json");
-  EXPECT(number_in(json, "lower_bound") == 1.7, "%s", json);
+  EXPECT(number_in(json, "lower_bound") == 2.2, "%s", json);
   free(json);
 }
 

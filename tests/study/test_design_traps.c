@@ -222,7 +222,7 @@ static void none_is_taken(void) {
     char *csv = read_file("out/design.csv");
     for (size_t k = 0; k < LINES && w->line[k].good; k++) {
       char row[128];
-      snprintf(row, sizeof row, ",p%zu.inc,%s,no threat,%s", k,
+      snprintf(row, sizeof row, ",p%zu.inc,%s,the scene as it is,%s", k,
                gives_way(w) ? "unjudged" : "violated", w->line[k].bad ? w->line[k].killer : "");
       EXPECT(!w->line[k].bad || strstr(csv, row), "%s: no '%s' in %s", w->kind, row, csv);
     }
