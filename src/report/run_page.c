@@ -112,18 +112,19 @@ static void add_repeated(vs_html *html, const vs_node *verdict) {
 static void add_armature(vs_html *html, const vs_node *summary) {
   static const char *const NAMES[] = {"pull_in", "release", "bounces", "impact_speed"};
   const vs_node *all = vs_tree_child_map(summary, "measures");
-  const char *between = "<p>";
+  bool any = false;
   for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) {
     char amount[VS_ENGINEERING_SIZE];
     const vs_node *m = vs_tree_child(all, NAMES[k]);
     const double value = vs_member_number(vs_tree_child(m, "value"));
     if (!m) continue;
-    vs_html_add(html, "%s%s %s", between, NAMES[k],
+    vs_html_add(html, any ? ", " : "<p>");
+    vs_html_add(html, "%s %s", NAMES[k],
                 isnan(value) ? "did not occur"
                              : vs_member_amount(value, vs_member_word(m, "unit"), amount));
-    between = ", ";
+    any = true;
   }
-  if (*between == ',') vs_html_add(html, ".</p>\n");
+  if (any) vs_html_add(html, ".</p>\n");
 }
 
 /* Adds the verdict: the word of the whole, the weakest line, and all lines. */

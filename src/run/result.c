@@ -191,7 +191,8 @@ bool vs_result_steps_are_short(const vs_result *r, char *text, size_t size) {
   const vs_setup *s = &r->scene->setup;
   double solved_s = s->run.until_s - r->watchers.absence.total_s;
   double asked = solved_s / vs_pace_largest_step(s);
-  if (!r->scene->tier->by_ngspice || s->run.gear || r->steps < FEW_STEPS) return false;
+  const bool direct = s->timeline.supply.direct; /* edges of a carrier ask for steps of their own */
+  if (direct || !r->scene->tier->by_ngspice || s->run.gear || r->steps < FEW_STEPS) return false;
   if ((double)r->steps < CRAWLS * asked) return false;
   snprintf(text, size,
            "%ld steps, %.3g in a cycle of the mains, where the mains and run.tolerance ask for "

@@ -100,8 +100,7 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   if (!status) status = read_plan(s, err);
 
   /* Journal: the record, in the study's folder, of the cases that are done (workers/journal.h).
-   * With
-   * --resume a study goes on with the one that is there; else a new one is begun. */
+   * With --resume a study goes on with the one that is there; else a new one is begun. */
   if (!status) status = open_folder(s, err);
 
   /* Cases and workers: the cases that the journal lacks are dealt out to worker processes
@@ -174,7 +173,11 @@ static session *begin_session(const vs_study_options *o) {
   return s;
 }
 
-static vs_results cases_results(const vs_cases *c, uint64_t count);
+/* The first `count` cases, as a method is shown them. */
+static vs_results cases_results(const vs_cases *c, uint64_t count) {
+  return (vs_results){c->plan, count, c->points, c->values, c->status, c->words};
+}
+
 /* Says of a study that a signal ended how to go on, and how far it came. */
 static void say_stopped(const session *s, vs_error *err) {
   const vs_plan_stage *stage = s->plan.adaptive;
@@ -294,11 +297,6 @@ static vs_status cases_answer(vs_cases *c, uint64_t first, uint64_t until, vs_er
   vs_status status = VS_OK;
   for (uint64_t k = first; k < until && !status; k++) status = read_answer(c, k, err);
   return status;
-}
-
-/* The first `count` cases, as a method is shown them. */
-static vs_results cases_results(const vs_cases *c, uint64_t count) {
-  return (vs_results){c->plan, count, c->points, c->values, c->status, c->words};
 }
 
 /* ---- journal ---- */
@@ -535,9 +533,11 @@ static void print_progress(session *s, double now) {
     fflush(stdout);
     vs_text_free(&text);
   } else if (s->show || now - s->began_s >= s->tell_s) {
-    dprintf(STDERR_FILENO, "%s%llu of %s%llu cases, %llu failed, %.4g a second, %.0f s left%s",
+    char eta[40] = ""; /* a search ends when it has found */
+    if (rate > 0 && !s->plan.adaptive) snprintf(eta, sizeof eta, ", %.0f s left", left);
+    dprintf(STDERR_FILENO, "%s%llu of %s%llu cases, %llu failed, %.4g a second%s%s",
             s->show ? "\r" : "vibrospice: note: ", over, s->plan.adaptive ? "at most " : "",
-            (unsigned long long)s->total, failed, rate, left, s->show ? " \033[K" : "\n");
+            (unsigned long long)s->total, failed, rate, eta, s->show ? " \033[K" : "\n");
     s->tell_s += fmin(s->tell_s, TOLD_EACH_S);
   }
 }

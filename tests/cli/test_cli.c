@@ -1133,7 +1133,7 @@ static void what_is_asked_for_is_told_first(void) {
       "%\n"
       "  conduction_time                  8.215 ms   measured 8 ms: computed is +2.7 %\n";
   static const char COURSE[] =
-      "\n  p                     -1.416 .. 0.7162 mm   at 14.04 ms, 20 ms\n";
+      "\n  p                  -1.416 mm .. 0.7162 mm   at 14.04 ms, 20 ms\n";
   static const char *const RECORD[] = {"", "--set 'record=[p]'", "--set record=all"};
   for (size_t k = 0; k < COUNT(RECORD); k++) {
     ran r = run("run paper --all --set run.tier=switched --set run.until=20ms %s", RECORD[k]);

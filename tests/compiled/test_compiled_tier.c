@@ -378,7 +378,7 @@ static void ngspices_settings_are_not_its_own(void) {
   for (size_t k = 0; k < COUNT(KEYS); k++) {
     ran r = run("run paper --set run.tier=compiled --set %s", KEYS[k]);
     EXPECT(r.status == 2 && strstr(r.err, "does not run ngspice and would ignore it; take tier "
-                                          "circuit, or leave the key at its default"),
+                                          "circuit, or the key's default: --set run."),
            "%s: %d: %s", KEYS[k], r.status, r.err);
     free_ran(&r);
   }
@@ -436,7 +436,7 @@ static void same_text(const char *a, const char *b) {
 static void a_study_is_judged_by_ngspice(void) {
   write_file("s.yaml", STUDY);
   ran r = run("study s.yaml -o one --jobs 1");
-  EXPECT(r.status == 0 && strstr(r.out, "judged 3 of 16 cases in ngspice: off by at most"),
+  EXPECT(r.status == 0 && strstr(r.out, "judged 3 of 16 cases in ngspice: the largest difference is"),
          "%d: %s%s", r.status, r.out, r.err);
   free_ran(&r);
   char *manifest = read_file("one/manifest.json");
@@ -463,7 +463,7 @@ static void failed_cases_leave_no_study_unjudged(void) {
                        "{from: 120 deg, to: 135 deg, step: 3 deg}}\n"
                        "report: [i_peak]\n");
   ran r = run("study f.yaml -o some --jobs 1");
-  EXPECT(r.status == 1 && strstr(r.out, "judged 3 of 18 cases in ngspice: off by at most"),
+  EXPECT(r.status == 1 && strstr(r.out, "judged 3 of 18 cases in ngspice: the largest difference is"),
          "%d: %s%s", r.status, r.out, r.err);
   free_ran(&r);
   for (int k = 1; k <= 3; k++) {
