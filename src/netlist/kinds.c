@@ -460,8 +460,11 @@ static const vs_kind_limit FUSE_LIMITS[] = {
     {"v_arc", "V", 10, 1e5, NULL, 0, " v_arc "}};
 static const vs_kind_limit GATE_DRIVE_LIMITS[] = {LIMIT("volt_seconds", "V.s", 0)};
 
-const vs_mains_limit vs_kinds_mains[] = {
-    {"v_drm", "peak", M_SQRT2}, {"v_rrm", "peak", M_SQRT2}, {"v_rms", "rms", 1}, {NULL, NULL, 0}};
+const vs_mains_limit vs_kinds_mains[] = {{"v_drm", "peak", M_SQRT2},
+                                         {"v_rrm", "peak", M_SQRT2},
+                                         {"v_rms", "rms", 1},
+                                         {"v_rwm", "peak", M_SQRT2},
+                                         {NULL, NULL, 0}};
 
 /* ---- kinds ---- */
 
@@ -644,7 +647,8 @@ const char *vs_kinds_limit_unit(const char *limit) {
 bool vs_kinds_knows_limit(const char *kind_name, const char *limit, const char **nearest) {
   const vs_kind *kind = vs_kinds_find(kind_name);
   bool known = limit_of(kind, limit) || is_of_mains(limit);
-  const char **names = vs_alloc(3 + (kind ? kind->n_limits : 0), sizeof *names);
+  const char **names = vs_alloc(
+      sizeof vs_kinds_mains / sizeof *vs_kinds_mains + (kind ? kind->n_limits : 0), sizeof *names);
   size_t count = 0;
   for (const vs_mains_limit *m = vs_kinds_mains; m->name; m++) names[count++] = m->name;
   for (size_t k = 0; kind && k < kind->n_limits; k++)

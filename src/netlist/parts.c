@@ -466,7 +466,8 @@ bool vs_parts_below_mains(const vs_deck *deck, size_t part, double rms_v, char *
   const vs_kind *kind = file ? vs_kinds_find(file->kind) : NULL;
   for (const vs_mains_limit *held = vs_kinds_mains; held->name && p->file; held++) {
     const vs_limit *limit = vs_parts_find_limit(deck, p->file, held->name);
-    if (!limit || (kind && kind->stores) || limit->value >= held->factor * rms_v) continue;
+    if (!limit || (kind && kind->stores)) continue;
+    if (limit->value >= held->factor * rms_v * (1 - 1e-12)) continue; /* but for rounding */
     snprintf(text, size, "circuit.%s: %s of %s, %s, is below the mains: %.6g V %s", p->name,
              limit->name, p->subcircuit, limit->written, held->factor * rms_v, held->what);
     return true;

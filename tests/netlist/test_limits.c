@@ -163,6 +163,7 @@ static void below_the_mains(void) {
   } ROWS[] = {{"v_drm = 600 V", "v_drm of f, 600 V, is below the mains: 622.254 V peak"},
               {"v_rrm = 600 V", "v_rrm of f, 600 V, is below the mains: 622.254 V peak"},
               {"v_rms = 420 V", "v_rms of f, 420 V, is below the mains: 440 V rms"},
+              {"v_rwm = 600 V", "v_rwm of f, 600 V, is below the mains: 622.254 V peak"},
               {"v_rrm = 630 V", NULL},
               {"v_rms = 441 V", NULL},
               {"v_rms = none", NULL},
