@@ -443,7 +443,8 @@ bool vs_verdict_is_weaker(const vs_judgement *a, const vs_judgement *b) {
 bool vs_verdict_is_doubled(const vs_judgement *const *line, size_t count, const vs_judgement *j) {
   bool doubled = false;
   for (size_t k = 0; k < count && j->probe; k++)
-    doubled = doubled || (line[k]->device && line[k]->stress.at_s == j->stress.at_s &&
+    doubled = doubled || (line[k]->device && line[k]->margin <= j->margin + 1e-9 &&
+                          line[k]->stress.at_s == j->stress.at_s &&
                           fabs(fabs(line[k]->stress.value) - fabs(j->stress.value)) <=
                               1e-9 * fabs(j->stress.value));
   return doubled;

@@ -206,6 +206,25 @@ static void assumed_parameters(void) {
   free_ran(&r);
 }
 
+/* A rating that is stricter than the limit of the device whose voltage it is stands beside it in
+ * the table, though both have one stress. */
+static void a_stricter_rating(void) {
+  write_file("own.cir",
+             "* one stress, two limits\n*$ param t = p.inc part\n*$ port mains = Vmains\n"
+             "*$ probe i_d = i(Vd) A\n*$ probe v_x = v(a) V\n*$ rating v_x -10..10 V \"own\"\n"
+             "*$ device t = v(a), v(a)/100\nVmains src 0 external\nRs src a 1k\nVd a b 0\n"
+             "Rd b 0 100\nXeva src 0 eva\n");
+  write_file("p.inc", "*$ part thyristor \"P\"\n*$ limit v_drm = 9 kV\n"
+                      ".subckt p a k g\nRg g k 1k\n.ends p\n");
+  write_file("s.yaml", "circuit: {deck: own.cir}\nratings: {i_d: .. 10 mA}\n"
+                       "run: {until: 8 ms, tier: circuit, verify: never}\n");
+  ran r = run("run s.yaml");
+  EXPECT(strstr(r.out, "\nweakest: i_d,") && strstr(r.out, "\n  v_x ") &&
+             strstr(r.out, "\n  t.v_forward "),
+         "%s", r.out);
+  free_ran(&r);
+}
+
 /* Of more lines than there is room for, it is said how many are left out. */
 static void many_lines(void) {
   enum { MORE = 11 }; /* beside three */
@@ -257,6 +276,7 @@ static const vs_test tests[] = {{"a fall to zero", a_fall_to_zero},
                                 {"shares by phasors", by_phasors},
                                 {"shares under a surge", under_a_surge},
                                 {"a reverse voltage", a_reverse_voltage},
+                                {"a stricter rating", a_stricter_rating},
                                 {"assumed figures", assumed_figures},
                                 {"assumed parameters", assumed_parameters},
                                 {"transistors and gates", transistors_and_gates},

@@ -212,7 +212,8 @@ static vs_status take_operating_point(coupling *c, vs_error *err) {
   return vs_fail(
       err, VS_RUN,
       "%s, with its switches off, and a run begins without one; a part beside the switch "
-      "conducts: is it the wrong way round, or for no more than the supply's voltage?",
+      "conducts: is it the wrong way round, or does it break down at or below the supply's "
+      "voltage?",
       vs_tiers_on_at_rest);
 }
 

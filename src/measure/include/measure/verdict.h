@@ -113,8 +113,8 @@ const char *vs_verdict_unknown(const vs_judgement *judgement, char *text, size_t
  * decides.
  */
 bool vs_verdict_is_weaker(const vs_judgement *line, const vs_judgement *other);
-/* True for a rating of the deck whose instant and stress are those of a device's line among them, as
- * v_ak's are those of thyristor.v_reverse. */
+/* True for a rating of a probe whose instant and stress are those of a device's line among them, as
+ * v_ak's are those of thyristor.v_reverse, and which leaves no less than that line. */
 bool vs_verdict_is_doubled(const vs_judgement *const *line, size_t count, const vs_judgement *j);
 /* Returns the line with the least margin among those that are violated, verified or not; where
  * there is none, among those that are undecided; NULL: there is none of these either. */
