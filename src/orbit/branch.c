@@ -193,10 +193,11 @@ static vs_status say_branch(const vs_continuation *w, const vs_branch_options *o
   return status;
 }
 
-/* A branch wants the run's exact derivatives. */
+/* A branch wants the run's exact derivatives, of which ngspice tells none. */
 static vs_status refuse_tier(const vs_scene *s, vs_error *err) {
   const char *known = vs_tiers_automatic(false)->name;
-  if (!s->tier->has_circuit && !s->tier->gap_at_rest) return VS_OK;
+  if (!s->tier->by_ngspice && !s->tier->gap_at_rest) return VS_OK;
+  if (s->tier->by_ngspice) known = vs_compiled_tier.name;
   return vs_fail_at(
       err, vs_tree_place(s->tree.root, "run.tier"),
       "steady --along: this is tier %s (%s), and branches are followed on tier %s alone; "

@@ -317,12 +317,13 @@ static bool walk_on(vs_continuation *w, vs_branch_point *a, double *length) {
  * be missing. */
 static void look_at_budget(vs_continuation *w) {
   const vs_budget *b = &w->path.budget;
-  if (b->of && b->of->out[VS_BUDGET_IDEAL]) b = b->of;
-  if (!b->out[VS_BUDGET_IDEAL] || w->end == VS_CONTINUATION_STOPPED) return;
+  const int kind = w->along->scene->tier->has_circuit ? VS_BUDGET_CIRCUIT : VS_BUDGET_IDEAL;
+  if (b->of && b->of->out[kind]) b = b->of;
+  if (!b->out[kind] || w->end == VS_CONTINUATION_STOPPED) return;
   w->end = VS_CONTINUATION_SPENT;
   snprintf(w->why, sizeof w->why,
            "the search's budget of %ld cycles of the mains is spent, after %zu points",
-           b->most[VS_BUDGET_IDEAL], w->count - w->marks);
+           b->most[kind], w->count - w->marks);
 }
 
 vs_status vs_continuation_go(vs_continuation *w, vs_branch_parameter *along, int periods,
@@ -337,7 +338,7 @@ vs_status vs_continuation_go(vs_continuation *w, vs_branch_parameter *along, int
   vs_budget *budget = &w->path.budget;
   *budget = (vs_budget){.what = "branch",
                         .of = along->scene->order.budget,
-                        .most = {MOST_CYCLES * cycles, 1},
+                        .most = {MOST_CYCLES * cycles, MOST_CYCLES * cycles},
                         .shows = shows};
   add_point_of_walk(w, &a);
   vs_branch_points_rescale(&w->path, &a);

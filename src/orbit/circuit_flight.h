@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Flights of machine and circuit as one (poincare_map.h), where the solver can tell and set the
+ * whole state and knows the monodromy matrix (vs_circuit_map). The state x of a flight has the
+ * machine's states and those of the circuit that they hang on, as the search for the first orbit
+ * has found them (full_newton.h). What the machine does not hang on keeps its value of there.
+ *
+ * A flight is a run with a pilot. In a first firing period, which nobody is shown, the solver comes
+ * to the circuit's switches; then it is put at x. */
+#pragma once
+
+#include "orbit/picard.h"
+
+/* The most states of x. */
+enum { VS_FLIGHT_STATES = 64 };
+
+/* Begin with {0}, end with vs_circuit_flight_free. */
+typedef struct vs_circuit_flight {
+  int states;                    /* of x */
+  double x[VS_FLIGHT_STATES];    /* of the first orbit */
+  double size[VS_FLIGHT_STATES]; /* how large each was over its period, > 0 */
+  int of[VS_FLIGHT_STATES];      /* which of the circuit's states each is */
+  double *whole;                 /* these, where a period begins; owned */
+  int all;                       /* so many */
+  vs_circuit_steps steps;        /* of the last period that noted its steps */
+} vs_circuit_flight;
+
+void vs_circuit_flight_free(vs_circuit_flight *flight);
+
+/* Finds the scene's orbit of that many firing periods. Errors: those of vs_picard_new and of its
+ * pilot; VS_RUN, the solver cannot set the circuit's state, or x has no room for it. */
+vs_status vs_circuit_flight_seek(vs_circuit_flight *flight, const vs_scene *scene, int periods,
+                                 vs_error *err);
+
+/* What a flight is asked, and what it has shown. */
+typedef struct vs_circuit_flight_run {
+  const double *x;
+  int periods;    /* it goes over so many firing periods */
+  bool takes;     /* by the steps of the last flight that did not; else it notes its own */
+  double *slope;  /* gets d end/dx, row by row; NULL: it is not asked for */
+  double *end;    /* gets the state at the end */
+  double *size;   /* gets about how large each is; of the circuit's states alone */
+  double *passed; /* gets the machine's states at the end of each firing period, VS_VARIATION_MOST a
+                     row; NULL: nobody asks */
+  void *ctx;
+  vs_status (*accept)(void *ctx, const vs_step *step, vs_error *err); /* is shown each step */
+} vs_circuit_flight_run;
+
+/* Errors: those of the run, which include an armature beyond the pole cover; VS_RUN, it meets a
+ * stop, a state that x has not counts by now, or with `takes`, other steps are needed. */
+vs_status vs_circuit_flight_go(vs_circuit_flight *flight, const vs_scene *scene,
+                               const vs_circuit_flight_run *run, vs_error *err);
