@@ -21,10 +21,11 @@ typedef struct flying {
   const vs_circuit_flight_run *run; /* of the flight */
   vs_orbit_search pilot;
   vs_circuit_map map;
-  int machine;  /* states of it */
-  int passed;   /* firing periods of the flight; -1: it has not begun */
-  bool done;    /* what was asked is there */
-  vs_error why; /* of an error in a step */
+  const vs_timeline *timeline; /* of the setup that is run */
+  int machine;                 /* states of it */
+  int passed;                  /* firing periods of the flight; -1: it has not begun */
+  bool done;                   /* what was asked is there */
+  vs_error why;                /* of an error in a step */
   vs_status status;
 } flying;
 
@@ -49,8 +50,9 @@ static vs_status take_orbit(flying *g, vs_error *err) {
                    newton->parts, (int)VS_FLIGHT_STATES);
   f->states = newton->parts;
   f->all = map->states;
-  f->whole = vs_alloc((size_t)f->all, sizeof *f->whole);
-  memcpy(f->whole, map->next, (size_t)f->all * sizeof *f->whole);
+  f->whole = vs_alloc(2 * (size_t)f->all, sizeof *f->whole);
+  f->next = f->whole + f->all;
+  memcpy(f->next, map->next, (size_t)f->all * sizeof *f->next);
   for (int k = 0; k < f->states; k++) {
     f->of[k] = newton->part[k];
     f->x[k] = map->next[f->of[k]];
@@ -74,6 +76,7 @@ static vs_status set_out(flying *g, vs_error *err) {
   if (map->states != f->all)
     return vs_fail(err, VS_RUN, "machine and circuit have %d states here, and had %d", map->states,
                    f->all);
+  if (g->run->slope) memcpy(f->whole, f->next, (size_t)f->all * sizeof *f->whole);
   memcpy(map->next, f->whole, (size_t)f->all * sizeof *f->whole);
   for (int k = 0; k < f->states; k++) map->next[f->of[k]] = g->run->x[k];
   memcpy(g->pilot.x, map->next, (size_t)g->machine * sizeof *map->next);
@@ -86,9 +89,9 @@ static vs_status set_out(flying *g, vs_error *err) {
   return VS_OK;
 }
 
-/* What x has not may make this of what it has, in parts of the sizes, ten times what is left out
- * where x is chosen. */
-static const double LITTLE = 1e-5;
+/* What x has not may make less than this of what it has, in parts of the sizes. As it follows, that
+ * slows Newton's iteration down by as little. */
+static const double LITTLE = 0.01;
 
 static bool has_state(const vs_circuit_flight *f, int state) {
   for (int k = 0; k < f->states; k++)
@@ -106,6 +109,18 @@ static bool is_alone(const flying *g) {
   return true;
 }
 
+/* What x has not is to begin where it comes back to, if it forgets within LASTS periods. */
+static const double LASTS = 100;
+
+static void follow_rest(const flying *g) {
+  const vs_circuit_map *map = &g->map;
+  for (int k = 0; k < g->f->all; k++) {
+    const double forgets = 1 - map->slope[k * g->f->all + k];
+    if (fabs(forgets) * LASTS > 1)
+      g->f->next[k] = map->start[k] + (map->end[k] - map->start[k]) / forgets;
+  }
+}
+
 static vs_status take_end(flying *g, const vs_knot *end, vs_error *err) {
   const vs_circuit_flight *f = g->f;
   const vs_circuit_flight_run *run = g->run;
@@ -119,6 +134,7 @@ static vs_status take_end(flying *g, const vs_knot *end, vs_error *err) {
     for (int j = 0; j < f->states && run->slope; j++)
       run->slope[k * f->states + j] = g->map.slope[f->of[k] * f->all + f->of[j]];
   }
+  if (run->slope) follow_rest(g);
   if (run->slope && !is_alone(g))
     return vs_fail(err, VS_RUN,
                    "a state of the circuit counts here that did not where the branch begins");
@@ -149,6 +165,7 @@ static vs_status see_step(flying *g, const vs_step *step, vs_error *err) {
 
 static void begin_flying(void *self, const vs_setup *setup) {
   flying *g = self;
+  g->timeline = &setup->timeline;
   if (!g->picard) return;
   g->picard->pilot.begin(g->picard, setup);
   memcpy(g->pilot.x, g->picard->pilot.x, sizeof g->pilot.x);
@@ -164,7 +181,8 @@ static void accept_step_flying(void *self, const vs_step *step) {
 
 static double push_flying(void *self, double t_s) {
   const flying *g = self;
-  return g->picard ? g->picard->pilot.push(g->picard, t_s) : 0;
+  if (g->picard) return g->picard->pilot.push(g->picard, t_s);
+  return g->passed < 0 ? -vs_timeline_voltage(g->timeline, t_s) : 0;
 }
 
 static vs_status turn_flying(void *self, const vs_knot *end, bool *begins, vs_error *err) {
@@ -233,6 +251,5 @@ vs_status vs_circuit_flight_go(vs_circuit_flight *f, const vs_scene *scene,
                               .found = true,
                               .map = &g.map};
   memcpy(from.x, run->x, (size_t)g.machine * sizeof *from.x);
-  memcpy(g.pilot.x, from.x, (size_t)g.machine * sizeof *from.x);
   return fly(&g, scene, &from, err);
 }

@@ -2,10 +2,13 @@
  * Flights of machine and circuit as one (poincare_map.h), where the solver can tell and set the
  * whole state and knows the monodromy matrix (vs_circuit_map). The state x of a flight has the
  * machine's states and those of the circuit that they hang on, as the search for the first orbit
- * has found them (full_newton.h). What the machine does not hang on keeps its value of there.
+ * has found them (full_newton.h). Each flight begins with the rest of the circuit's states where
+ * the last one with derivatives would have them come back, or, if they hardly forget, as a fuse's
+ * heat, at their value of the first orbit.
  *
- * A flight is a run with a pilot. In a first firing period, which nobody is shown, the solver comes
- * to the circuit's switches; then it is put at x. */
+ * A flight is a run with a pilot. In a first firing period, which nobody is shown, all is at rest
+ * but what drives gates, as the pilot takes the mains' voltage away; then the solver is put at x.
+ */
 #pragma once
 
 #include "orbit/picard.h"
@@ -19,7 +22,8 @@ typedef struct vs_circuit_flight {
   double x[VS_FLIGHT_STATES];    /* of the first orbit */
   double size[VS_FLIGHT_STATES]; /* how large each was over its period, > 0 */
   int of[VS_FLIGHT_STATES];      /* which of the circuit's states each is */
-  double *whole;                 /* these, where a period begins; owned */
+  double *whole;                 /* these, where a period begins; owned, with the next: */
+  double *next;                  /* and where the next flight with derivatives has them begin */
   int all;                       /* so many */
   vs_circuit_steps steps;        /* of the last period that noted its steps */
 } vs_circuit_flight;

@@ -187,7 +187,7 @@ static const double SHORTEST = 1e-8, TURNS = 0.94, EASES = 0.995;
 enum { FEW = 4, MOST_ROWS = 20000 };
 /* Its runs take so many cycles of the mains at most for each in the period, which is a minute or
  * two for a period of one; then the walk is stuck. */
-enum { MOST_CYCLES = 100000 };
+enum { MOST_CYCLES = 100000, MOST_WITH_CIRCUIT = 20000 };
 
 static double turn_of_branch(const vs_branch_points *p, const vs_branch_point *a,
                              const vs_branch_point *b) {
@@ -330,6 +330,7 @@ vs_status vs_continuation_go(vs_continuation *w, vs_branch_parameter *along, int
                              const volatile sig_atomic_t *stop, vs_error *err) {
   vs_branch_point a;
   *w = (vs_continuation){.along = along};
+  along->scene->order.stop = stop;
   const bool shows = along->scene->order.shows;
   vs_status status = vs_branch_points_begin(&w->path, along, periods, &a, err);
   if (status) return status;
@@ -338,7 +339,7 @@ vs_status vs_continuation_go(vs_continuation *w, vs_branch_parameter *along, int
   vs_budget *budget = &w->path.budget;
   *budget = (vs_budget){.what = "branch",
                         .of = along->scene->order.budget,
-                        .most = {MOST_CYCLES * cycles, MOST_CYCLES * cycles},
+                        .most = {MOST_CYCLES * cycles, MOST_WITH_CIRCUIT * cycles},
                         .shows = shows};
   add_point_of_walk(w, &a);
   vs_branch_points_rescale(&w->path, &a);
@@ -356,6 +357,7 @@ vs_status vs_continuation_go(vs_continuation *w, vs_branch_parameter *along, int
     w->end = VS_CONTINUATION_SPENT;
     break;
   }
+  if (stop && *stop && w->end == VS_CONTINUATION_STUCK) w->end = VS_CONTINUATION_STOPPED;
   look_at_budget(w);
   vs_budget_end(budget);
   return VS_OK;
