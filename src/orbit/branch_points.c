@@ -86,8 +86,15 @@ static void begin_flight(vs_branch_points *p, vs_poincare_map *f) {
   vs_poincare_map_begin(f, p->along->scene);
   const int kind = has_circuit(p) ? VS_BUDGET_CIRCUIT : VS_BUDGET_IDEAL;
   f->budget = p->budget.most[kind] ? &p->budget : NULL;
-  f->circuit = has_circuit(p) ? &p->circuit : NULL;
   f->states = p->count;
+}
+
+static vs_status go(vs_branch_points *p, vs_poincare_map *f, const double *x, bool derives,
+                    vs_error *err) {
+  p->runs++;
+  return has_circuit(p)
+             ? vs_circuit_flight_go(&p->circuit, f, x, p->periods, !derives, derives, err)
+             : vs_poincare_map_go(f, x, p->periods, derives, err);
 }
 
 static vs_status watch_turns(void *ctx, const vs_step *step, vs_error *err) {
@@ -119,11 +126,9 @@ static vs_status end_at(vs_branch_points *p, const double *x, double key, double
   vs_status status = vs_branch_parameter_move(p->along, key, err);
   if (status) return status;
   begin_flight(p, &f);
-  f.takes = true;
-  status = vs_poincare_map_go(&f, x, p->periods, false, err);
+  status = go(p, &f, x, false, err);
   memcpy(end, f.end, (size_t)p->count * sizeof *end);
   vs_poincare_map_end(&f);
-  p->runs++;
   return status;
 }
 
@@ -172,9 +177,8 @@ static vs_status fly_one_period(vs_branch_points *p, vs_branch_point *at, image 
   vs_orbit_extremes_begin(&at->turns, &p->along->scene->setup.model);
   const vs_observer also = {&at->turns, watch_turns};
   to->flight.also = &also;
-  vs_status status = vs_poincare_map_go(&to->flight, at->z, p->periods, true, err);
+  vs_status status = go(p, &to->flight, at->z, true, err);
   to->flight.also = NULL;
-  p->runs++;
   return status;
 }
 

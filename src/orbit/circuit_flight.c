@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "full_newton.h"
+#include "orbit/picard.h"
 #include "orbit/steady.h"
 
 void vs_circuit_flight_free(vs_circuit_flight *f) {
@@ -17,8 +18,11 @@ void vs_circuit_flight_free(vs_circuit_flight *f) {
 /* A run under way: the search for the first orbit, or a flight. */
 typedef struct flying {
   vs_circuit_flight *f;
-  vs_picard *picard;                /* of the search; NULL: it is a flight */
-  const vs_circuit_flight_run *run; /* of the flight */
+  vs_picard *picard;     /* of the search; NULL: it is a flight */
+  vs_poincare_map *seen; /* of the flight, with the next: */
+  const double *x;
+  int periods;
+  bool takes;
   vs_orbit_search pilot;
   vs_circuit_map map;
   const vs_timeline *timeline; /* of the setup that is run */
@@ -76,15 +80,15 @@ static vs_status set_out(flying *g, vs_error *err) {
   if (map->states != f->all)
     return vs_fail(err, VS_RUN, "machine and circuit have %d states here, and had %d", map->states,
                    f->all);
-  if (g->run->slope) memcpy(f->whole, f->next, (size_t)f->all * sizeof *f->whole);
+  if (g->seen->slope) memcpy(f->whole, f->next, (size_t)f->all * sizeof *f->whole);
   memcpy(map->next, f->whole, (size_t)f->all * sizeof *f->whole);
-  for (int k = 0; k < f->states; k++) map->next[f->of[k]] = g->run->x[k];
+  for (int k = 0; k < f->states; k++) map->next[f->of[k]] = g->x[k];
   memcpy(g->pilot.x, map->next, (size_t)g->machine * sizeof *map->next);
   map->begins = true;
-  map->wants_slope = g->run->slope != NULL;
-  f->steps.are = g->run->takes ? VS_STEPS_TAKEN : VS_STEPS_NOTED;
+  map->wants_slope = g->seen->slope != NULL;
+  f->steps.are = g->takes ? VS_STEPS_TAKEN : VS_STEPS_NOTED;
   f->steps.next = 0;
-  if (!g->run->takes) f->steps.count = 0;
+  if (!g->takes) f->steps.count = 0;
   g->passed = 0;
   return VS_OK;
 }
@@ -123,19 +127,19 @@ static void follow_rest(const flying *g) {
 
 static vs_status take_end(flying *g, const vs_knot *end, vs_error *err) {
   const vs_circuit_flight *f = g->f;
-  const vs_circuit_flight_run *run = g->run;
+  vs_poincare_map *seen = g->seen;
   g->map.tell(g->map.solver);
   memcpy(g->map.end, end->x, (size_t)g->machine * sizeof *g->map.end);
-  if (run->slope && !g->map.knows_slope)
+  if (seen->slope && !g->map.knows_slope)
     return vs_fail(err, VS_RUN, "the orbit's derivatives are lost where a device switches");
   for (int k = 0; k < f->states; k++) {
-    run->end[k] = g->map.end[f->of[k]];
-    if (k >= g->machine) run->size[k] = g->map.size[f->of[k]];
-    for (int j = 0; j < f->states && run->slope; j++)
-      run->slope[k * f->states + j] = g->map.slope[f->of[k] * f->all + f->of[j]];
+    seen->end[k] = g->map.end[f->of[k]];
+    if (k >= g->machine) seen->size[k] = g->map.size[f->of[k]];
+    for (int j = 0; j < f->states && seen->slope; j++)
+      seen->slope[k * f->states + j] = g->map.slope[f->of[k] * f->all + f->of[j]];
   }
-  if (run->slope) follow_rest(g);
-  if (run->slope && !is_alone(g))
+  if (seen->slope) follow_rest(g);
+  if (seen->slope && !is_alone(g))
     return vs_fail(err, VS_RUN,
                    "a state of the circuit counts here that did not where the branch begins");
   return end_run(g, err);
@@ -145,10 +149,10 @@ static vs_status turn_flight(flying *g, const vs_knot *end, vs_error *err) {
   if (g->status) return vs_fail(err, g->status, "%s", g->why.text);
   if (g->passed < 0) return set_out(g, err);
   memcpy(g->pilot.x, end->x, sizeof end->x);
-  if (g->run->passed)
-    memcpy(g->run->passed + (size_t)g->passed * VS_VARIATION_MOST, end->x,
+  if (g->seen->passed)
+    memcpy(g->seen->passed + (size_t)g->passed * VS_VARIATION_MOST, end->x,
            (size_t)g->machine * sizeof *end->x);
-  return ++g->passed < g->run->periods ? VS_OK : take_end(g, end, err);
+  return ++g->passed < g->periods ? VS_OK : take_end(g, end, err);
 }
 
 /* A stop's force jumps where it is met, and the solver's derivatives do not go through that. */
@@ -158,7 +162,7 @@ static vs_status see_step(flying *g, const vs_step *step, vs_error *err) {
     return vs_fail(err, VS_RUN,
                    "the armature meets a stop, through which an orbit with a circuit has no "
                    "derivative; tier switched goes on");
-  return g->run->accept(g->run->ctx, step, err);
+  return vs_poincare_map_see(g->seen, step, err);
 }
 
 /* ---- the pilot ---- */
@@ -239,17 +243,26 @@ vs_status vs_circuit_flight_seek(vs_circuit_flight *f, const vs_scene *scene, in
   return status;
 }
 
-vs_status vs_circuit_flight_go(vs_circuit_flight *f, const vs_scene *scene,
-                               const vs_circuit_flight_run *run, vs_error *err) {
-  const vs_timeline *line = &scene->setup.timeline;
-  vs_orbit from = {0};
-  flying g = {.f = f, .run = run, .machine = 2 * scene->setup.model.dof, .passed = -1};
-  g.pilot = (vs_orbit_search){.period_s =
-                                  (line->firing.no_valve ? 1 : line->firing.every) * line->period_s,
-                              .of_orbit = run->periods,
-                              .most = run->periods + 1,
+vs_status vs_circuit_flight_go(vs_circuit_flight *f, vs_poincare_map *seen, const double *x,
+                               int periods, bool takes, bool derives, vs_error *err) {
+  const size_t n = (size_t)seen->states, rows = (size_t)periods * VS_VARIATION_MOST;
+  flying g = {.f = f,
+              .seen = seen,
+              .x = x,
+              .periods = periods,
+              .takes = takes,
+              .machine = 2 * seen->given->setup.model.dof,
+              .passed = -1};
+  g.pilot = (vs_orbit_search){.period_s = seen->cycle_s,
+                              .of_orbit = periods,
+                              .most = periods + 1,
                               .found = true,
                               .map = &g.map};
-  memcpy(from.x, run->x, (size_t)g.machine * sizeof *from.x);
-  return fly(&g, scene, &from, err);
+  vs_orbit from = {0};
+  memcpy(from.x, x, (size_t)g.machine * sizeof *x);
+  vs_status status = vs_poincare_map_anew(seen, periods + 1, err);
+  if (status) return status;
+  seen->slope = derives ? vs_alloc(n * n, sizeof *seen->slope) : NULL;
+  seen->passed = derives ? vs_alloc(rows, sizeof *seen->passed) : NULL;
+  return fly(&g, seen->given, &from, err);
 }

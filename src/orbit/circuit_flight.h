@@ -11,10 +11,7 @@
  */
 #pragma once
 
-#include "orbit/picard.h"
-
-/* The most states of x. */
-enum { VS_FLIGHT_STATES = 64 };
+#include "poincare_map.h"
 
 /* Begin with {0}, end with vs_circuit_flight_free. */
 typedef struct vs_circuit_flight {
@@ -35,21 +32,9 @@ void vs_circuit_flight_free(vs_circuit_flight *flight);
 vs_status vs_circuit_flight_seek(vs_circuit_flight *flight, const vs_scene *scene, int periods,
                                  vs_error *err);
 
-/* What a flight is asked, and what it has shown. */
-typedef struct vs_circuit_flight_run {
-  const double *x;
-  int periods;    /* it goes over so many firing periods */
-  bool takes;     /* by the steps of the last flight that did not; else it notes its own */
-  double *slope;  /* gets d end/dx, row by row; NULL: it is not asked for */
-  double *end;    /* gets the state at the end */
-  double *size;   /* gets about how large each is; of the circuit's states alone */
-  double *passed; /* gets the machine's states at the end of each firing period, VS_VARIATION_MOST a
-                     row; NULL: nobody asks */
-  void *ctx;
-  vs_status (*accept)(void *ctx, const vs_step *step, vs_error *err); /* is shown each step */
-} vs_circuit_flight_run;
-
-/* Errors: those of the run, which include an armature beyond the pole cover; VS_RUN, it meets a
- * stop, a state that x has not counts by now, or with `takes`, other steps are needed. */
-vs_status vs_circuit_flight_go(vs_circuit_flight *flight, const vs_scene *scene,
-                               const vs_circuit_flight_run *run, vs_error *err);
+/* vs_poincare_map_go with a circuit: a run from x of map->states numbers. takes: it goes by the
+ * steps of the last flight that did not, and else notes its own. Errors: those of the run, which
+ * include an armature beyond the pole cover; VS_RUN, it meets a stop, a state that x has not counts
+ * by now, or with `takes`, other steps are needed; the budget is spent. */
+vs_status vs_circuit_flight_go(vs_circuit_flight *flight, vs_poincare_map *map, const double *x,
+                               int periods, bool takes, bool derives, vs_error *err);

@@ -100,12 +100,11 @@ static void look_for_law(vs_poincare_map *f, const vs_knot *k) {
   f->left_s = k->t_s;
 }
 
-static vs_status see_step(void *ctx, const vs_step *step, vs_error *err) {
-  vs_poincare_map *f = ctx;
+vs_status vs_poincare_map_see(vs_poincare_map *f, const vs_step *step, vs_error *err) {
   const vs_model *m = step->frame->model;
   double from = step->from->t_s, to = step->to->t_s, x[VS_VARIATION_MOST];
   take_state(m, step->to, x);
-  const int seen = f->circuit ? 2 * m->dof : f->states;
+  const int seen = f->given->tier->has_circuit ? 2 * m->dof : f->states;
   for (int j = 0; j < seen; j++) {
     if (!isfinite(x[j]))
       return vs_fail(err, VS_RUN, "t = %.9g s: the state is not a number any more", to);
@@ -124,7 +123,7 @@ static vs_status see_step(void *ctx, const vs_step *step, vs_error *err) {
 static vs_status accept_step_of_flight(void *ctx, const vs_step *step, const vs_result *result,
                                        vs_error *err) {
   (void)result;
-  return see_step(ctx, step, err);
+  return vs_poincare_map_see(ctx, step, err);
 }
 
 /* ---- the run ---- */
@@ -151,44 +150,24 @@ static void begin_variation(vs_poincare_map *f, const vs_run_values *run, const 
   vs_variation_add(&f->variation, f->parameter, unmoved);
 }
 
-static void forget_sights(vs_poincare_map *f) {
+vs_status vs_poincare_map_anew(vs_poincare_map *f, int periods, vs_error *err) {
+  forget_flight(f);
   memset(f->size, 0, sizeof f->size);
   f->deepest_m = INFINITY;
   f->beyond_s = NAN;
   f->left[0] = 0;
-}
-
-static vs_status go_with_circuit(vs_poincare_map *f, const double *x, int periods, bool derives,
-                                 vs_error *err) {
-  const size_t n = (size_t)f->states;
-  f->slope = derives ? vs_alloc(n * n, sizeof *f->slope) : NULL;
-  const vs_circuit_flight_run run = {.x = x,
-                                     .periods = periods,
-                                     .takes = f->takes,
-                                     .slope = f->slope,
-                                     .end = f->end,
-                                     .size = f->size,
-                                     .passed = f->passed,
-                                     .ctx = f,
-                                     .accept = see_step};
-  return vs_circuit_flight_go(f->circuit, f->given, &run, err);
+  return vs_budget_take(f->budget, f->given->tier->has_circuit,
+                        lround(periods * f->cycle_s / f->given->setup.timeline.period_s), err);
 }
 
 double vs_poincare_map_slope(vs_poincare_map *f, int i, int j) {
-  return f->circuit ? f->slope[i * f->states + j] : vs_variation_get(&f->variation, i, j);
+  return f->slope ? f->slope[i * f->states + j] : vs_variation_get(&f->variation, i, j);
 }
 
 vs_status vs_poincare_map_go(vs_poincare_map *f, const double *x, int periods, bool derives,
                              vs_error *err) {
-  const int run_for = f->circuit ? periods + 1 : periods;
-  forget_flight(f);
-  vs_status within =
-      vs_budget_take(f->budget, f->given->tier->has_circuit,
-                     lround(run_for * f->cycle_s / f->given->setup.timeline.period_s), err);
+  vs_status within = vs_poincare_map_anew(f, periods, err);
   if (within) return within;
-  forget_sights(f);
-  f->passed = derives ? vs_alloc((size_t)periods, sizeof *f->passed * VS_VARIATION_MOST) : NULL;
-  if (f->circuit) return go_with_circuit(f, x, periods, derives, err);
   const vs_session_listener guest = {.ctx = f, .accept = accept_step_of_flight};
   const vs_session session = {.guest = &guest, .bare = true, .unguarded = true};
   vs_run_values run = f->given->setup.run;
@@ -198,6 +177,7 @@ vs_status vs_poincare_map_go(vs_poincare_map *f, const double *x, int periods, b
   f->scene->setup = vs_poincare_map_setup(f->given, &run, x);
   f->scene->frame = vs_sim_frame(f->given->tier, &f->scene->setup);
   f->derives = derives;
+  f->passed = derives ? vs_alloc((size_t)periods, sizeof *f->passed * VS_VARIATION_MOST) : NULL;
   if (derives) begin_variation(f, &run, x);
   vs_result *none = vs_alloc(1, sizeof *none);
   vs_status status = vs_session_run(&session, f->scene, none, err);

@@ -367,11 +367,6 @@ static void is_as_steady_has_it(tour *t, const vs_continuation_row *row, double 
   free(own);
 }
 
-static vs_status see_nothing(void *ctx, const vs_step *step, vs_error *err) {
-  (void)ctx, (void)step, (void)err;
-  return VS_OK;
-}
-
 /* The row's multipliers by central differences of periods along one run's steps, without the
  * monodromy matrix; returns how many of them are within `near` of 1. Each state is moved by 1e-5 of
  * its size, so that their error is some 1e-9; the row's are of the run before the last correction,
@@ -379,24 +374,26 @@ static vs_status see_nothing(void *ctx, const vs_step *step, vs_error *err) {
 static int multipliers_by_differences(tour *t, const vs_continuation_row *row, double near) {
   enum { N = VS_FLIGHT_STATES };
   const int n = t->walk.path.count;
-  double x[N], end[2][N], size[N], matrix[N * N];
+  double x[N], end[2][N], matrix[N * N];
   vs_multiplier of[N];
   vs_error err = {0};
+  vs_poincare_map f;
   int count = 0;
-  vs_circuit_flight_run flight = {.x = x, .periods = 1, .size = size, .accept = see_nothing};
   vs_status status = vs_branch_parameter_move(&t->along, row->at.z[n], &err);
+  vs_poincare_map_begin(&f, t->along.scene);
+  f.states = n;
   for (int j = -1; j < n && !status; j++)
     for (int side = 0; side < (j < 0 ? 1 : 2) && !status; side++) {
       const double push = j < 0 ? 0 : 1e-5 * row->at.size[j];
       memcpy(x, row->at.z, sizeof x);
       if (j >= 0) x[j] += side ? -push : push;
-      flight.end = end[side];
-      flight.takes = j >= 0;
-      status = vs_circuit_flight_go(&t->walk.path.circuit, t->along.scene, &flight, &err);
+      status = vs_circuit_flight_go(&t->walk.path.circuit, &f, x, 1, j >= 0, false, &err);
+      memcpy(end[side], f.end, sizeof f.end);
       for (int i = 0; i < n && side; i++)
         matrix[i * n + j] =
             (end[0][i] - end[1][i]) / (2 * push) * row->at.size[j] / row->at.size[i];
     }
+  vs_poincare_map_end(&f);
   EXPECT(!status && vs_multipliers_of(n, matrix, of), "%s", err.text);
   for (int k = 0; k < n && !status; k++) {
     const vs_multiplier *m = &row->at.multiplier[k];
