@@ -336,7 +336,9 @@ static void a_signal_ends_a_walk(void) {
          t->trial->err.text);
   vs_text json = {0};
   vs_branch_output_json(&t->walk, &json);
-  EXPECT(strstr(json.text, "where a signal stopped it"), "%s", json.text);
+  EXPECT(strstr(json.text, "where a signal stopped it") &&
+             strstr(json.text, "\"end\": \"stopped\""),
+         "%s", json.text);
   vs_text_free(&json);
   done(t);
 }
