@@ -390,7 +390,7 @@ static int multipliers_by_differences(tour *t, const vs_continuation_row *row, d
       memcpy(x, row->at.z, sizeof x);
       if (j >= 0) x[j] += side ? -push : push;
       status = vs_circuit_flight_go(&t->walk.path.circuit, &f, x, 1, j >= 0, false, &err);
-      memcpy(end[side], f.end, sizeof f.end);
+      memcpy(end[side], f.end, sizeof end[side]);
       for (int i = 0; i < n && side; i++)
         matrix[i * n + j] =
             (end[0][i] - end[1][i]) / (2 * push) * row->at.size[j] / row->at.size[i];
