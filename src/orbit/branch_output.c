@@ -173,7 +173,10 @@ static void add_rows(const vs_continuation *w, const char *name, bool marks, vs_
 }
 
 void vs_branch_output_json(const vs_continuation *w, vs_text *text) {
-  static const char *const ENDS[] = {"reached", "back", "merged", "stuck", "stopped"};
+  static const char *const ENDS[] = {
+      [VS_CONTINUATION_REACHED] = "reached", [VS_CONTINUATION_BACK] = "back",
+      [VS_CONTINUATION_MERGED] = "merged",   [VS_CONTINUATION_STUCK] = "stuck",
+      [VS_CONTINUATION_SPENT] = "spent",     [VS_CONTINUATION_STOPPED] = "stopped"};
   const vs_branch_parameter *a = w->along;
   vs_text end = {0};
   add_end(w, &end);

@@ -334,7 +334,7 @@ static void look_at_derivatives(const vs_scene *scene, const vs_orbit *o) {
       memcpy(x, o->x, sizeof x);
       x[j] += (side ? part : -part) * o->scale[j];
       CU_ASSERT(!vs_poincare_map_go(&f, x, 1, false, &err));
-      memcpy(end[side], f.end, sizeof f.end);
+      memcpy(end[side], f.end, sizeof end[side]);
     }
     for (int i = 0; i < o->count; i++) {
       double slope = (end[1][i] - end[0][i]) / (2 * part * o->scale[i]),
