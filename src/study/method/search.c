@@ -34,7 +34,7 @@ static const double START_PART = 0.25, GLOBAL_PART = 0.7, CROSSOVER[] = {0.9, 0.
                     FIRST_STEP = 0.1, /* the pattern's step; it grows where it found something */
     GROW = 2;
 
-typedef enum phase { START, EVOLUTION, PATTERN, RESTARTS, OVER } phase;
+typedef enum phase { START, EVOLUTION, PATTERN, ENDS, RESTARTS, OVER } phase;
 
 /* One of several local searches, each of which begins at a place of its own. */
 typedef struct climb {
@@ -368,6 +368,16 @@ static double distance_of(const vs_search *s, const double *a, const double *b) 
   return far;
 }
 
+/* Asks for both ends of each range, at the best point so far: they are often the worst. */
+static void ask_ends(vs_search *s) {
+  double x[VS_SEARCH_AXES];
+  for (size_t k = 0; k < 2 * s->setup.axes; k++) {
+    memcpy(x, s->best, sizeof x);
+    x[k / 2] = (double)(k % 2);
+    if (!s->setup.levels[k / 2]) add_new(s, x);
+  }
+}
+
 static double finest_of_axis(const vs_search *s, size_t d) {
   return s->setup.finest * (s->setup.period[d] > 0 ? fmin(1, 4 * s->setup.period[d]) : 1);
 }
@@ -615,6 +625,10 @@ static void end_joined(vs_search *s) {
 }
 
 const double *vs_search_ask(vs_search *s, size_t *count) {
+  if (!s->count && s->phase == ENDS) {
+    ask_ends(s);
+    if (!s->count) begin_climbs(s); /* all of them are known */
+  }
   while (!s->count && s->phase == RESTARTS) {
     ask_climbs(s);
     for (size_t k = 0; k < s->climbing && !s->count; k++) move_climb(s, &s->climbs[k]);
@@ -649,10 +663,14 @@ void vs_search_tell(vs_search *s, const double *values) {
     s->count = 0;
     return;
   }
-  if (s->phase == START && s->setup.restarts) {
+  if ((s->phase == START || s->phase == ENDS) && s->setup.restarts) {
     s->asked += s->count;
     s->count = 0;
-    begin_climbs(s);
+    if (s->phase == ENDS || s->climbing || !s->continua || isnan(s->best_value) ||
+        s->asked == s->setup.most)
+      begin_climbs(s);
+    else
+      s->phase = ENDS;
     return;
   }
   if (s->phase == START) {
@@ -694,7 +712,7 @@ size_t vs_search_agree(const vs_search *s, size_t *near) {
 }
 
 const char *vs_search_phase(const vs_search *s) {
-  static const char *const NAMES[] = {"start", "evolution", "pattern", "restarts", "over"};
+  static const char *const NAMES[] = {"start", "evolution", "pattern", "ends", "restarts", "over"};
   return NAMES[s->phase];
 }
 
