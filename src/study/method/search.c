@@ -34,7 +34,7 @@ static const double START_PART = 0.25, GLOBAL_PART = 0.7, CROSSOVER[] = {0.9, 0.
                     FIRST_STEP = 0.1, /* the pattern's step; it grows where it found something */
     GROW = 2;
 
-typedef enum phase { START, EVOLUTION, PATTERN, ENDS, RESTARTS, OVER } phase;
+typedef enum phase { START, EVOLUTION, PATTERN, RESTARTS, OVER } phase;
 
 /* One of several local searches, each of which begins at a place of its own. */
 typedef struct climb {
@@ -154,6 +154,15 @@ static void place_in_strata(const vs_search_setup *setup, const double *u, doubl
   }
 }
 
+/* Puts one of the first points at an end of a range: each range has both of its ends once, as they
+ * are often the worst. In a start of few points that would be most of them, and none is put there.
+ */
+static void put_at_end(const vs_search *s, size_t point, size_t of, double *x) {
+  if (4 * s->continua > of || point >= 2 * s->continua) return;
+  for (size_t d = 0, k = 0; d < s->setup.axes; d++)
+    if (!s->setup.levels[d] && k++ == point / 2) x[d] = (double)(point % 2);
+}
+
 static void ask_start(vs_search *s) {
   const size_t n = start_count(s);
   const size_t axes = s->setup.restarts ? strata_axes(&s->setup) : s->setup.axes;
@@ -164,6 +173,7 @@ static void ask_start(vs_search *s) {
     for (size_t d = 0; d < axes; d++) u[d] = vs_random_sobol_at(sobol, i, d);
     if (s->setup.restarts) {
       place_in_strata(&s->setup, u, x);
+      put_at_end(s, i, n, x);
       add_new(s, x);
     } else {
       memcpy(x, u, axes * sizeof *x);
@@ -366,16 +376,6 @@ static double distance_of(const vs_search *s, const double *a, const double *b) 
     far = fmax(far, fabs(a[d] - b[d]));
   }
   return far;
-}
-
-/* Asks for both ends of each range, at the best point so far: they are often the worst. */
-static void ask_ends(vs_search *s) {
-  double x[VS_SEARCH_AXES];
-  for (size_t k = 0; k < 2 * s->setup.axes; k++) {
-    memcpy(x, s->best, sizeof x);
-    x[k / 2] = (double)(k % 2);
-    if (!s->setup.levels[k / 2]) add_new(s, x);
-  }
 }
 
 static double finest_of_axis(const vs_search *s, size_t d) {
@@ -625,10 +625,6 @@ static void end_joined(vs_search *s) {
 }
 
 const double *vs_search_ask(vs_search *s, size_t *count) {
-  if (!s->count && s->phase == ENDS) {
-    ask_ends(s);
-    if (!s->count) begin_climbs(s); /* all of them are known */
-  }
   while (!s->count && s->phase == RESTARTS) {
     ask_climbs(s);
     for (size_t k = 0; k < s->climbing && !s->count; k++) move_climb(s, &s->climbs[k]);
@@ -663,14 +659,10 @@ void vs_search_tell(vs_search *s, const double *values) {
     s->count = 0;
     return;
   }
-  if ((s->phase == START || s->phase == ENDS) && s->setup.restarts) {
+  if (s->phase == START && s->setup.restarts) {
     s->asked += s->count;
     s->count = 0;
-    if (s->phase == ENDS || s->climbing || !s->continua || isnan(s->best_value) ||
-        s->asked == s->setup.most)
-      begin_climbs(s);
-    else
-      s->phase = ENDS;
+    begin_climbs(s);
     return;
   }
   if (s->phase == START) {
@@ -712,7 +704,7 @@ size_t vs_search_agree(const vs_search *s, size_t *near) {
 }
 
 const char *vs_search_phase(const vs_search *s) {
-  static const char *const NAMES[] = {"start", "evolution", "pattern", "ends", "restarts", "over"};
+  static const char *const NAMES[] = {"start", "evolution", "pattern", "restarts", "over"};
   return NAMES[s->phase];
 }
 
