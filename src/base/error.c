@@ -18,7 +18,7 @@ vs_status vs_fail(vs_error *err, vs_status status, const char *format, ...) {
   vsnprintf(err->text, sizeof err->text, format, args);
   va_end(args);
   err->file_size = err->place_size = err->line = err->column = 0;
-  err->gave_up = false;
+  err->gave_up = err->conducts = false;
   one_line(err->text);
   return status;
 }
@@ -45,7 +45,7 @@ vs_status vs_fail_at(vs_error *err, vs_where where, const char *format, ...) {
   err->place_size = n;
   err->line = n ? where.line : 0;
   err->column = err->line ? where.column : 0;
-  err->gave_up = false;
+  err->gave_up = err->conducts = false;
   one_line(err->text);
   return VS_INPUT;
 }

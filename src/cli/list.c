@@ -18,6 +18,7 @@
 #include "netlist/kinds.h"
 #include "netlist/netlist.h"
 #include "options.h"
+#include "orbit/steady.h"
 #include "plant/build.h"
 #include "plant/machine_file.h"
 #include "report/schematic.h"
@@ -450,6 +451,28 @@ static void put_extremes(vs_entries *to, const vs_probe *probe) {
   }
 }
 
+/* What `steady` tells besides; of the material only where the machine says how its trough moves. */
+static void list_of_steady(const listed *of) {
+  static const struct {
+    const char *name, *unit, *text;
+    bool of_throw;
+  } ALL[] = {
+#define ROW(member, name, unit, text) {name, unit, text, false},
+      VS_STEADY_LIST(ROW)
+#undef ROW
+#define ROW(member, name, unit, text) {name, unit, text, true},
+          VS_STEADY_THROW_LIST(ROW)
+#undef ROW
+  };
+  for (size_t k = 0; k < sizeof ALL / sizeof *ALL; k++) {
+    if (ALL[k].of_throw && !of->machine->load.way[VS_MACHINE_UP].text) continue;
+    begin_quantity(of->to, ALL[k].name, ALL[k].unit, ALL[k].text);
+    vs_list_entry_say(of->to, " (command steady)");
+    vs_list_entry_text(of->to, "command", "steady");
+    end_quantity(of->to, false);
+  }
+}
+
 static void list_measures(const listed *of) {
   const vs_deck *deck = of->deck;
   vs_model *model = vs_alloc(1, sizeof *model);
@@ -465,6 +488,7 @@ static void list_measures(const listed *of) {
   for (size_t k = 0; k < deck->n_probes; k++) put_extremes(of->to, &deck->probes[k]);
   for (size_t k = 0; k < deck->n_devices; k++)
     list_of_kind(of->to, deck->devices[k].name, deck->devices[k].kind, true);
+  list_of_steady(of);
 }
 
 /* ---- keys ---- */
@@ -496,6 +520,15 @@ static const vs_section *const BESIDES[] = {&vs_instruments_section, &vs_instrum
                                             &vs_control_section, &vs_state_observer_section};
 enum { N_BESIDES = sizeof BESIDES / sizeof *BESIDES };
 
+/* The keys NAME_part of the deck's resistors and capacitors. */
+static void put_series(const listed *of) {
+  for (size_t d = 0; d < of->deck->n_devices; d++) {
+    char key[VS_SERIES_KEY];
+    vs_field field;
+    if (vs_netlist_series_key(of->deck, d, key, &field)) put_field(of->to, "circuit", &field);
+  }
+}
+
 /* Adds the keys of the scene's section of that name and of those below it; NULL: of all. Returns
  * false where there is none. */
 static bool put_sections(const listed *of, const char *name) {
@@ -508,6 +541,7 @@ static bool put_sections(const listed *of, const char *name) {
         (strncmp(s->name, name, length) != 0 || (s->name[length] && s->name[length] != '.')))
       continue;
     for (size_t n = 0; n < s->count; n++) put_field(of->to, s->name, &s->fields[n]);
+    if (!strcmp(s->name, "circuit")) put_series(of);
     found = true;
   }
   return found;

@@ -211,19 +211,31 @@ static void take_incidents(audience *a, const vs_watchers *w, bool last) {
   }
 }
 
-/* Which stop the armature meets or leaves, where it has several: the one that is nearest then. */
-static const char *name_stop(const vs_step *step, int k) {
+/* The stop that the armature meets or leaves: the one that is nearest then. NULL: it is no event of
+ * a stop. */
+static const vs_stop *stop_of_event(const vs_step *step, int k) {
   const vs_model *m = step->frame->model;
   const double *x = step->event_s[k] < step->to->t_s ? step->from->x : step->to->x;
   const double g_m = vs_mechanics_travel(m, x);
-  int nearest = 0;
-  if (step->event[k] != VS_EV_MEETS_STOP && step->event[k] != VS_EV_LEAVES_STOP) return "";
+  const vs_stop *nearest = &m->stops.item[0];
+  if (step->event[k] != VS_EV_MEETS_STOP && step->event[k] != VS_EV_LEAVES_STOP) return NULL;
   for (int n = 1; n < m->stops.count; n++)
-    if (fabs(vs_stop_depth(&m->stops.item[n], g_m)) <
-        fabs(vs_stop_depth(&m->stops.item[nearest], g_m)))
-      nearest = n;
-  if (m->stops.count < 2) return "";
-  return m->stops.item[nearest].side > 0 ? " on the pole's side" : " on the far side";
+    if (fabs(vs_stop_depth(&m->stops.item[n], g_m)) < fabs(vs_stop_depth(nearest, g_m)))
+      nearest = &m->stops.item[n];
+  return nearest;
+}
+
+/* An armature that lies on a stop as the run begins does not meet it. */
+static bool begins_on_stop(const vs_step *step, int k) {
+  const vs_stop *stop = stop_of_event(step, k);
+  return stop && step->event[k] == VS_EV_MEETS_STOP && step->from->t_s == 0 &&
+         vs_stop_depth(stop, vs_mechanics_travel(step->frame->model, step->from->x)) >= 0;
+}
+
+static const char *name_stop(const vs_step *step, int k) {
+  const vs_stop *stop = stop_of_event(step, k);
+  if (!stop || step->frame->model->stops.count < 2) return "";
+  return stop->side > 0 ? " on the pole's side" : " on the far side";
 }
 
 /* What is switched on and off once, without a carrier. */
@@ -261,7 +273,8 @@ static vs_status accept_step_for_files(void *ctx, const vs_step *step, const vs_
   take_incidents(a, &result->watchers, false);
   tell_switching(a, step);
   for (int k = 0; a->events.stream && k < 2; k++)
-    if (step->event[k] != VS_EV_NONE && !is_told_by_devices(devices, step->event[k]))
+    if (step->event[k] != VS_EV_NONE && !is_told_by_devices(devices, step->event[k]) &&
+        !begins_on_stop(step, k))
       add_event(a, step->event_s[k], "%s%s", WHAT[step->event[k]], name_stop(step, k));
   const vs_events *events = &a->scene->setup.timeline.events;
   for (size_t k = 0; a->events.stream && k < events->count; k++)

@@ -64,9 +64,9 @@ static void alias(const vs_model *model, int id, vs_measure *m) {
   static const struct {
     const char *name, *text;
   } ALIASES[VS_STANDARD_MEASURES] = {
-      [VS_M_GAP_FIRST] = {"%s_first_peak", "first motion peak of %s after the first firing"},
-      [VS_M_GAP_SECOND] = {"%s_second_peak", "the extremum of %s that follows it"},
-      [VS_M_TAU_GAP] = {"tau_%s", "decay time of %s there, from the envelope of its extremes"}};
+      [VS_M_GAP_FIRST] = {"%s_first_peak", "first peak of %s after the first firing"},
+      [VS_M_GAP_SECOND] = {"%s_second_peak", "the extremum of %s after its first peak"},
+      [VS_M_TAU_GAP] = {"tau_%s", "decay time of %s in the free swing, by its extremes"}};
   int i = sole(model);
   const vs_coordinate *c = coordinate_of_measure(model, i);
   bool is_time = id == VS_M_TAU_GAP;

@@ -339,11 +339,27 @@ static bool is_own_source(const vs_deck *deck, const vs_netlist_card *card) {
          !(card->count == value + 1 && vs_words_is(vs_cards_word(c, card, value), "0"));
 }
 
+/* True for ground, and for a node of a source that a port for a gate drives. */
+static bool is_at_gate_port(const vs_deck *deck, vs_word node) {
+  const vs_cards *c = vs_deck_cards(deck);
+  bool at = vs_words_is_ground(node);
+  for (size_t k = 0; k < deck->n_ports && !at; k++)
+    for (size_t n = 0; n < c->count && !at && vs_port_is_gated(&deck->ports[k].signal); n++)
+      at = c->card[n].count > 1 && vs_words_is(c->card[n].name, deck->ports[k].source) &&
+           (!vs_words_compare(node, vs_cards_word(c, &c->card[n], 0)) ||
+            !vs_words_compare(node, vs_cards_word(c, &c->card[n], 1)));
+  return at;
+}
+
 /* True for an element that couples two circuits, or that drives one: transformers are made of K, E
- * and F. */
+ * and F. An E that makes a gate's drive of a port's pulses is none. */
 static bool is_other_drive(const vs_deck *deck, const vs_netlist_card *card) {
+  const vs_cards *c = vs_deck_cards(deck);
   if (card->kind != VS_CARDS_ELEMENT) return false;
   if (strchr("vi", card->letter)) return is_own_source(deck, card);
+  if (card->letter == 'e' && card->count > 3 && is_at_gate_port(deck, vs_cards_word(c, card, 2)) &&
+      is_at_gate_port(deck, vs_cards_word(c, card, 3)))
+    return false;
   return strchr("efghk", card->letter);
 }
 

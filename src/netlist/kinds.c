@@ -26,12 +26,11 @@
  * judged: measure/devices/means.c. */
 #define ROW(...)                                                                                   \
   { __VA_ARGS__ }
-#define MEAN_IS_JUDGED "judged where that lasts 1 s or longer and more than one shot falls into it"
-#define RMS_TEXT "rms current, over the time that measure says; " MEAN_IS_JUDGED
+#define OVER "over the span of the key measure"
+#define MEAN_IS_JUDGED "judged if that is 1 s or longer, with more than one shot in it"
+#define RMS_TEXT "rms current, " OVER "; " MEAN_IS_JUDGED
 #define I_RMS(limit) "i_rms", "A", RMS_TEXT, VS_R_RMS, VS_OF_I2, 1, limit, VS_AT_MOST
-#define I_MEAN                                                                                     \
-  "i_mean", "A", "mean current, over the time that measure says", VS_R_MEAN, VS_OF_I, 1, NULL,     \
-      VS_AT_MOST
+#define I_MEAN "i_mean", "A", "mean current, " OVER, VS_R_MEAN, VS_OF_I, 1, NULL, VS_AT_MOST
 #define I_PEAK(limit)                                                                              \
   "i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, limit, VS_AT_MOST
 #define V_PEAK(limit)                                                                              \
@@ -40,27 +39,26 @@
   "V/us", "largest rate of voltage, either way, over any 0.1 us", VS_R_STEEPEST, VS_OF_V, 0,       \
       limit, VS_AT_MOST
 #define POWER_MEAN(limit)                                                                          \
-  "power", "W", "mean power, over the time that measure says; " MEAN_IS_JUDGED, VS_R_MEAN,         \
-      VS_OF_POWER, 1, limit, VS_AT_MOST
+  "power", "W", "mean power, " OVER "; " MEAN_IS_JUDGED, VS_R_MEAN, VS_OF_POWER, 1, limit,         \
+      VS_AT_MOST
 #define ENERGY "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST
 #define LOSS "loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST
 #define LOSS_PART(name, text, how) name, "J", text, how, VS_OF_POWER, 1, NULL, VS_AT_MOST
-#define LOSS_CONDUCTION LOSS_PART("loss_conduction", "of this, while it conducts", VS_R_CONDUCTION)
+#define LOSS_CONDUCTION                                                                            \
+  LOSS_PART("loss_conduction", "part of loss while it conducts", VS_R_CONDUCTION)
 #define LOSS_SWITCHING                                                                             \
-  LOSS_PART("loss_switching", "of this, while it turns on and off", VS_R_SWITCHING)
+  LOSS_PART("loss_switching", "part of loss while it turns on and off", VS_R_SWITCHING)
 #define LOSS_BLOCKING                                                                              \
-  LOSS_PART("loss_blocking", "of this, while it blocks: the rest", VS_R_BLOCKING)
+  LOSS_PART("loss_blocking", "part of loss while it blocks: the rest", VS_R_BLOCKING)
 /* A voltage for ever. A direct one is told by its mean, any other by its rms value. */
 #define ALTERNATING                                                                                \
   "v_rms", "V",                                                                                    \
-      "rms voltage, over the time that measure says; " MEAN_IS_JUDGED                              \
-      "; not of a direct voltage (one whose mean is more than the rms of the rest) where the "     \
-      "part states v_dc",                                                                          \
+      "rms voltage, " OVER "; " MEAN_IS_JUDGED "; where its mean exceeds the rms of its ripple, "  \
+                                               "v_dc is judged instead if the part states it",     \
       VS_R_ALTERNATING, VS_OF_V2, 1, "v_rms", VS_AT_MOST
 #define DIRECT                                                                                     \
-  "v_dc", "V",                                                                                     \
-      "mean of a direct voltage, either way, over the time that measure says; " MEAN_IS_JUDGED,    \
-      VS_R_DIRECT, VS_OF_V, 0, "v_dc", VS_AT_MOST
+  "v_dc", "V", "mean of a direct voltage, either way, " OVER "; " MEAN_IS_JUDGED, VS_R_DIRECT,     \
+      VS_OF_V, 0, "v_dc", VS_AT_MOST
 
 /* The junction: its rise over the case, the case, the junction. */
 #define JUNCTION                                                                                   \
@@ -76,30 +74,31 @@
 /* What a rectifier or a device that latches bears for a short time. */
 #define SURGE(limit)                                                                               \
   "i_surge", "A",                                                                                  \
-      "peak of the half sine of 10 ms with the largest int i^2 dt within 10 ms: a shorter pulse "  \
-      "heats as much by the same int i^2 dt",                                                      \
+      "largest int i^2 dt within 10 ms, told as the peak of a half sine of 10 ms that has as "     \
+      "much",                                                                                      \
       VS_R_SURGE, VS_OF_I2, 1, limit, VS_AT_MOST
 #define I2T(text)                                                                                  \
   ROW("i2t", "A2.s", text, VS_R_PULSE, VS_OF_I2, 1, "i2t", VS_AT_MOST),                            \
       ROW("i_surge_n", "A",                                                                        \
-          "peak of half sines of 10 ms, one a cycle, that heat as much as some consecutive "       \
-          "conductions: of those that come nearest to the part's lines surge",                     \
+          "heat of the consecutive conductions that come nearest to the part's lines surge, told " \
+          "as the peak of as many half sines of 10 ms, one a cycle",                               \
           VS_R_SURGES, VS_OF_I2, 1, NULL, VS_AT_MOST),                                             \
       ROW("i2t_short", "A2.s",                                                                     \
-          "int i^2 dt of the conduction below 10 ms that comes nearest to i2sqrt_t sqrt(t), with " \
-          "t the length of the half sine of its peak and its int i^2 dt",                          \
+          "int i^2 dt of the conduction below 10 ms that comes nearest to its limit i2sqrt_t "     \
+          "sqrt(t), where a half sine of the same peak and int i^2 dt lasts t",                    \
           VS_R_SHORT, VS_OF_I2, 1, NULL, VS_AT_MOST)
 
 /* Of a device that latches: which voltage rises, which way its current goes. */
 #define RISES(which, way)                                                                          \
   ROW("dv_dt", "V/us",                                                                             \
-      "steepest rise of " which                                                                    \
-      ", mean rate over any stretch that rises by dv_dt_over of its part (a tenth of v_drm); a "   \
-      "rise under a gate pulse that ends as the device fires does not count",                      \
+      "largest mean rate at which " which " rises by dv_dt_over of its part (a tenth of v_drm); "  \
+                                          "a rise that ends as a gate pulse fires "                \
+      "the device does not count",                                                                 \
       VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST),                                                 \
       ROW("dv_dt_error", "V/us",                                                                   \
-          "error of dv_dt from how the voltage is taken to run between the solver's instants, on " \
-          "a cubic or straight; it comes on top of run.tolerance",                                 \
+          "error of dv_dt besides run.tolerance: the voltage's course between the solver's "       \
+          "instants "                                                                              \
+          "is taken as cubic or straight",                                                         \
           VS_R_RISE_ERROR, VS_OF_V, 1, NULL, VS_AT_MOST),                                          \
       ROW("dv_dt_max", "V/us", "largest rate of " which ", over any 0.1 us", VS_R_OFF_RATE,        \
           VS_OF_V, 1, NULL, VS_AT_MOST),                                                           \
@@ -114,8 +113,8 @@
   ROW("misfires", "", misfires, VS_R_MISFIRE, VS_OF_I, 1, NULL, VS_NEVER),                         \
       ROW("unintended_firings", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1,   \
           NULL, VS_NEVER),                                                                         \
-      ROW("commutation_failures", "", "of these, " failures, VS_R_COMMUTATION_FAILURE, VS_OF_I, 1, \
-          NULL, VS_NEVER)
+      ROW("commutation_failures", "", "unintended firings " failures, VS_R_COMMUTATION_FAILURE,    \
+          VS_OF_I, 1, NULL, VS_NEVER)
 
 static const vs_device_measure THYRISTOR[] = {
     {"v_forward", "V", "peak forward voltage", VS_R_PEAK, VS_OF_V, 1, "v_drm", VS_AT_MOST},
@@ -141,18 +140,20 @@ static const vs_device_measure TRIAC[] = {
      "v_drm", VS_AT_MOST},
     RISES("off-state voltage, either way", "extreme, and for 1 us at least, either way, "),
     {"dv_dt_c", "V/us",
-     "steepest rise of off-state voltage within 1.5 ms behind a conduction (ten t_q if stated), "
-     "(dv/dt)c: mean rate over a stretch that rises by dv_dt_over, or by four fifths of a rise "
-     "where this is less; compared, as the model of a triac fires by dv/dt",
+     "(dv/dt)c: largest mean rate at which off-state voltage rises by dv_dt_over, or by four "
+     "fifths "
+     "of a smaller rise, within 1.5 ms after a conduction (ten t_q if stated); compared only, as "
+     "the model of a triac fires by dv/dt",
      VS_R_RETURN_RISE, VS_OF_V, 1, "dv_dt_c", VS_AT_MOST},
     {"di_dt_c", "A/ms",
-     "steepest fall of a current to its zero behind which voltage is back within 1.5 ms (ten t_q), "
-     "mean rate from a tenth of its peak, or over the last 50 us (assumed) if steeper: (di/dt)c",
+     "(di/dt)c: steepest fall of a current to zero, if voltage is back within 1.5 ms (ten t_q) "
+     "after "
+     "it; mean rate from a tenth of its peak on, or over the last 50 us (assumed) if steeper",
      VS_R_FALL, VS_OF_I, 1, "di_dt_c", VS_AT_MOST},
     {I_PEAK("i_trm")},
     {SURGE("i_tsm")},
-    {"i_mean", "A", "mean current, a direct part of the load's, over the time that measure says",
-     VS_R_MEAN, VS_OF_I, 1, NULL, VS_AT_MOST},
+    {"i_mean", "A", "mean current, the direct part of the load's, " OVER, VS_R_MEAN, VS_OF_I, 1,
+     NULL, VS_AT_MOST},
     {LATCHED_RMS},
     I2T("largest int i^2 dt of one half cycle's conduction"),
     {LOSS},
@@ -168,13 +169,14 @@ static const vs_device_measure DIODE[] = {
     {"i_reverse", "A", "peak reverse current, of its recovery", VS_R_PEAK, VS_OF_I, -1, NULL,
      VS_AT_MOST},
     {SURGE("i_fsm")},
-    {"i_mean", "A", "mean current, over the time that measure says; judged as i_rms is", VS_R_MEAN,
-     VS_OF_I, 1, "i_f_av", VS_AT_MOST},
+    {"i_mean", "A", "mean current, " OVER "; judged as i_rms is", VS_R_MEAN, VS_OF_I, 1, "i_f_av",
+     VS_AT_MOST},
     {I_RMS("i_f_rms")},
     I2T("largest int i^2 dt of one conduction"),
     {LOSS},
     {LOSS_CONDUCTION},
-    {LOSS_PART("loss_recovery", "of this, from the zero of its current to the end of its recovery",
+    {LOSS_PART("loss_recovery",
+               "part of loss from the zero of its current to the end of its recovery",
                VS_R_RECOVERY)},
     {LOSS_BLOCKING},
     {LOSS_PART("e_rec", "largest energy of one recovery", VS_R_E_RECOVERY)},
@@ -194,8 +196,7 @@ static const vs_device_measure DIAC[] = {{V_PEAK(NULL)}, {I_PEAK("i_trm")}, {LOS
 static const vs_device_measure MOSFET[] = {
     {"v_peak", "V", "peak voltage, drain positive", VS_R_PEAK, VS_OF_V, 1, "v_dss", VS_AT_MOST},
     {"e_avalanche", "J",
-     "largest energy of one stretch above v_dss of its part, where the model breaks down; none: it "
-     "was not above",
+     "largest energy of one avalanche: a stretch above v_dss of its part; none: it never was above",
      VS_R_AVALANCHE, VS_OF_POWER, 1, "e_as", VS_AT_MOST},
     DRIVEN("i_dm", "i_d", NULL)};
 static const vs_device_measure IGBT[] = {
@@ -210,7 +211,7 @@ static const vs_device_measure ELECTROLYTIC[] = {
     {I_PEAK("i_surge")},
     {I_RMS("i_ripple")},
     {"power", "W",
-     "mean of v i over the time that measure says: its loss, where it stores as much at the end "
+     "mean of v i " OVER ": its loss, where it stores as much at the end "
      "as at the beginning",
      VS_R_MEAN, VS_OF_POWER, 1, NULL, VS_AT_MOST},
     {"t_core_rise", "K",
@@ -220,7 +221,7 @@ static const vs_device_measure VARISTOR[] = {
     {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
     {I_PEAK("i_surge")},
     {"energy", "J",
-     "largest heat of one pulse, without what a capacitance stores; it ends when |i| has "
+     "largest heat of one pulse, without the energy in its capacitance; a pulse ends once |i| has "
      "stayed below 1 mA for a quarter of a mains cycle",
      VS_R_HEAT, VS_OF_POWER, 1, "energy", VS_AT_MOST},
     {"energy_total", "J", ENERGY},
@@ -228,20 +229,19 @@ static const vs_device_measure VARISTOR[] = {
     {ALTERNATING},
     {DIRECT},
     {"i_pulse", "A",
-     "peak current of the pulse that comes nearest to the part's table over width and number (its "
-     "lines pulse); the number is how many pulses of the run are as large, times the event's key "
-     "times",
+     "peak current of the pulse that comes nearest to the part's table of width and number (its "
+     "lines pulse); the number: pulses of the run as large as it, times the event's key times",
      VS_R_DERATED, VS_OF_I, 0, NULL, VS_AT_MOST},
     {"power_repeated", "W",
-     "mean power where a pulse comes again: energy_total over the event's key every", VS_R_REPEATED,
-     VS_OF_POWER, 1, "p_max", VS_AT_MOST}};
+     "mean power of pulses that come again: energy_total divided by the event's key every",
+     VS_R_REPEATED, VS_OF_POWER, 1, "p_max", VS_AT_MOST}};
 /* Reverse current counts as positive: it flows into the cathode. The rating of a pulse is given for
  * 8.3 ms; `energy` is that of this pulse, as of a TVS. */
 static const vs_device_measure ZENER[] = {
     {"v_clamp", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, 1, NULL, VS_AT_MOST},
     {"i_peak", "A", "peak reverse current", VS_R_PEAK, VS_OF_I, 1, "i_zsm", VS_AT_MOST},
-    {"i_mean", "A", "mean current, over the time that measure says; " MEAN_IS_JUDGED, VS_R_MEAN,
-     VS_OF_I, 1, "i_zm", VS_AT_MOST},
+    {"i_mean", "A", "mean current, " OVER "; " MEAN_IS_JUDGED, VS_R_MEAN, VS_OF_I, 1, "i_zm",
+     VS_AT_MOST},
     {"energy", "J", "largest heat of one pulse, as a varistor's", VS_R_HEAT, VS_OF_POWER, 1,
      "energy", VS_AT_MOST},
     {"energy_total", "J", ENERGY},
@@ -256,12 +256,11 @@ static const vs_device_measure TVS[] = {
      "energy", VS_AT_MOST},
     {"energy_total", "J", ENERGY},
     {POWER_MEAN("p_d")},
-    {"v_dc", "V",
-     "mean of a direct voltage, either way, over the time that measure says; " MEAN_IS_JUDGED,
-     VS_R_DIRECT, VS_OF_V, 0, "v_rwm", VS_AT_MOST},
+    {"v_dc", "V", "mean of a direct voltage, either way, " OVER "; " MEAN_IS_JUDGED, VS_R_DIRECT,
+     VS_OF_V, 0, "v_rwm", VS_AT_MOST},
     {"power_repeated", "W",
-     "mean power where a pulse comes again: energy_total over the event's key every", VS_R_REPEATED,
-     VS_OF_POWER, 1, "p_d", VS_AT_MOST}};
+     "mean power of pulses that come again: energy_total divided by the event's key every",
+     VS_R_REPEATED, VS_OF_POWER, 1, "p_d", VS_AT_MOST}};
 static const vs_device_measure RESISTOR[] = {
     {POWER_MEAN("p_rated")},
     {"e_pulse", "J", "largest energy within 10 ms", VS_R_WITHIN, VS_OF_POWER, 1, "e_pulse",
@@ -276,24 +275,23 @@ static const vs_device_measure FUSE[] = {
     {I_PEAK(NULL)},
     {"i_rms", "A", RMS_TEXT, VS_R_CARRIED, VS_OF_I2, 1, "i_rated", VS_AT_MOST},
     {"i_overload", "A",
-     "rms current over the time that comes nearest to the part's time-current curve (its lines "
-     "time_current)",
+     "rms current over that stretch of time which comes nearest to the part's time-current curve "
+     "(its lines time_current)",
      VS_R_CURVE, VS_OF_I2, 1, NULL, VS_AT_MOST},
     {"i2t_surge", "A2.s",
-     "largest int i^2 dt within 10 ms while it is whole; i2t_melt is 15 % more or less from one "
-     "to the next",
+     "largest int i^2 dt within 10 ms while it is whole; fuses of one type differ by 15 %",
      VS_R_MELTING, VS_OF_I2, 1, "i2t_melt", VS_AT_MOST},
     {"i2t", "A2.s", "int i^2 dt over the run", VS_R_INTEGRAL, VS_OF_I2, 1, NULL, VS_AT_MOST},
     {"let_through", "A2.s",
-     "largest int i^2 dt within 10 ms; 15 % more or less from one to the next, where it opens",
+     "largest int i^2 dt within 10 ms; where it opens, fuses of one type differ by 15 %",
      VS_R_LET_THROUGH, VS_OF_I2, 1, "i2t", VS_WARD_AT_MOST},
     {"i2t_clear", "A2.s",
      "int i^2 dt that it lets through at its rated voltage, by the part's limit i2t_clear",
      VS_R_CLEARS, VS_OF_I2, 1, "i2t", VS_WARD_AT_MOST},
     {V_PEAK(NULL)},
     {"v_open", "V",
-     "largest rms voltage over half a mains cycle, once it has opened, or that of the sine with "
-     "its crest, and no less than the mains that drive it: what it has to clear",
+     "rms voltage that it has to keep off once it has opened: of half a mains cycle, or its crest "
+     "over the square root of 2; at least the rms of the mains that drive it",
      VS_R_OPEN, VS_OF_V2, 1, "v_rated", VS_AT_MOST},
     {"v_arc", "V", "peak voltage of its arc, from melting to clearing", VS_R_ARC, VS_OF_V, 0,
      "v_rrm", VS_WARD_AT_MOST},

@@ -427,29 +427,36 @@ static bool is_of_series(const vs_device *d) {
   return kind && kind->of_series;
 }
 
-/* Adds the keys NAME_part that the scene gives: they say of which series a resistor or capacitor of
- * the netlist is, which gives it that series' limits. */
+bool vs_netlist_series_key(const vs_deck *deck, size_t device, char key[VS_SERIES_KEY],
+                           vs_field *field) {
+  const vs_device *d = &deck->devices[device];
+  bool known = !is_of_series(d);
+  snprintf(key, VS_SERIES_KEY, "%s%s", d->name, VS_DEVICE_PART);
+  for (size_t k = 0; k < deck->section.count; k++)
+    known = known || !strcmp(deck->section.fields[k].key, key);
+  *field = (vs_field){.key = key,
+                      .kind = VS_NAME,
+                      .unit = "",
+                      .default_text = "none",
+                      .text = "the series that it is of, for its limits; or none"};
+  return !known;
+}
+
+/* Adds the keys NAME_part that the scene gives. */
 static vs_status add_series(vs_deck *deck, const vs_node *section, vs_error *err) {
   vs_status status = VS_OK;
   for (size_t d = 0; d < deck->n_devices && !status; d++) {
-    char key[VS_DECK_NAME + sizeof VS_DEVICE_PART];
-    snprintf(key, sizeof key, "%s%s", deck->devices[d].name, VS_DEVICE_PART);
+    char key[VS_SERIES_KEY];
+    vs_field field;
+    const bool is_new = vs_netlist_series_key(deck, d, key, &field);
     const vs_node *node = vs_tree_child(section, key);
-    bool known = !node || !is_of_series(&deck->devices[d]);
-    for (size_t k = 0; k < deck->section.count; k++)
-      known = known || !strcmp(deck->section.fields[k].key, key);
-    if (known || node->kind != VS_NODE_TEXT) continue;
+    if (!is_new || !node || node->kind != VS_NODE_TEXT) continue;
     if (!*node->text)
       return vs_fail_at(err, node->where, "circuit.%s: a part is wanted, or none", key);
     if (deck->n_parts >= VS_DECK_PARTS)
       return vs_fail_at(err, node->where, "more than %d parts", VS_DECK_PARTS);
-    const vs_field field = {.key = key,
-                            .kind = VS_NAME,
-                            .unit = "",
-                            .default_text = node->text,
-                            .text = "the series that it is of, for its limits; or none",
-                            .offset =
-                                offsetof(vs_circuit_values, parts) + deck->n_parts * VS_NAME_SIZE};
+    field.default_text = node->text;
+    field.offset = offsetof(vs_circuit_values, parts) + deck->n_parts * VS_NAME_SIZE;
     status = vs_deck_add_field(deck, &field, node->where, err);
     if (status) return status;
     vs_part *part = &deck->parts[deck->n_parts++];

@@ -344,7 +344,8 @@ static void add_energy_flow(vs_html *html, const vs_node *energy) {
   }
   vs_html_add(
       html, "</table></div>\n<p class=\"of\">Shares are of all that was given: by the source, and "
-            "by each that has less than 0. What is 0 is left out. The audit: ");
+            "by each that has less than 0. What is 0 is left out. Names behind \"lost in\" and "
+            "\"stored in\" are those of the deck's lines *$ loss and *$ store. The audit: ");
   vs_html_text(html, vs_member_word(energy, "audit"));
   vs_html_add(html, ".</p>\n</section>\n");
 }

@@ -304,6 +304,18 @@ static bool warms_up(const vs_result *r, char *text, size_t size) {
   return true;
 }
 
+/* Where the scene has no rating of pull_in, the verdict may hold all the same. */
+static void warn_of_no_pull_in(const vs_result *r, void (*each)(void *ctx, const char *text),
+                               void *ctx) {
+  const vs_ratings *own = &r->scene->ratings;
+  char text[sizeof r->no_pull_in + 80];
+  bool rated = false;
+  for (int k = 0; k < own->count; k++) rated = rated || !strcmp(own->item[k].name, "pull_in");
+  snprintf(text, sizeof text, "%s%s", r->no_pull_in,
+           rated ? "" : "; the verdict judges it by a rating, as ratings: {pull_in: .. 20 ms}");
+  if (*r->no_pull_in) each(ctx, text);
+}
+
 /* The warnings that are known only once the run is over; of_firing: that nothing fires, too. */
 static void warn_after(const vs_result *r, bool of_firing,
                        void (*each)(void *ctx, const char *text), void *ctx) {
@@ -318,7 +330,7 @@ static void warn_after(const vs_result *r, bool of_firing,
     each(ctx, text);
   }
   if (hangs_on_letting_go(r, text, sizeof text)) each(ctx, text);
-  if (*r->no_pull_in) each(ctx, r->no_pull_in);
+  warn_of_no_pull_in(r, each, ctx);
   if (*r->lets_go) each(ctx, r->lets_go);
   if (leaves_linear_iron(r, text, sizeof text)) each(ctx, text);
   if (burns(r, text, sizeof text)) each(ctx, text);

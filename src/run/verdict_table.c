@@ -470,23 +470,21 @@ static void tell_rest(const vs_judgement *const *all, size_t shown, size_t of_al
   const vs_judgement *const *line = all + shown;
   const size_t count = of_all - shown;
   double least = INFINITY;
-  size_t ample = 0, violated = 0;
+  size_t ample = 0;
   for (size_t k = 0; k < count; k++) {
     least = fmin(least, line[k]->margin);
     ample += line[k]->margin > AMPLE;
-    violated += line[k]->margin < 0;
   }
   if (!count) return;
   least = ample == count ? AMPLE : least;
   fprintf(out, "  %zu more above %.0f %%", count, floor(100 * least + 1e-9));
-  if (violated) fprintf(out, ", %zu of them violated", violated);
   if (ample && ample < count) fprintf(out, ", %zu of them above %.0f %%", ample, 100 * AMPLE);
   tell_others(all, shown, of_all, out);
   fputc('\n', out);
 }
 
-/* The weakest lines whatever they are of, each stress once, and the tightest of each other device,
- * as far as there is room. */
+/* All that is violated or undecided, each stress once. Of the others the weakest lines whatever
+ * they are of, and the tightest of each other device, as far as there is room. */
 void vs_verdict_table_tightest(const vs_verdict *v, int room, FILE *out) {
   const vs_judgement **line = vs_alloc(v->count, sizeof *line);
   size_t count = 0, shown = 0;
@@ -503,8 +501,9 @@ void vs_verdict_table_tightest(const vs_verdict *v, int room, FILE *out) {
             "at", "margin +- its numerical error");
   for (size_t k = 0; k < count; k++) {
     const vs_judgement *j = line[k];
-    const bool shows = k < WEAK || (j->margin < AMPLE && is_first_of_its(j, line, k));
-    if (!shows || shown >= (size_t)room) continue;
+    const bool fails = j->margin < 0 || vs_verdict_word(j) == VS_UNDECIDED;
+    const bool weak = k < WEAK || (j->margin < AMPLE && is_first_of_its(j, line, k));
+    if (!fails && !(weak && shown < (size_t)room)) continue;
     print_device(j, width, out);
     memmove(line + shown + 1, line + shown, (k - shown) * sizeof *line);
     line[shown++] = j;

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine/tiers.h"
 #include "run/session.h"
 #include "study_file.h"
 
@@ -50,7 +49,7 @@ vs_status vs_study_check_read(const vs_check_options *o, const vs_method *const 
   bool rests = true;
   if (!status && !vs_error_count(err)) {
     status = vs_session_try(plan->first->tier, &plan->first->setup, &why);
-    rests = !status || !strstr(why.text, vs_tiers_on_at_rest);
+    rests = !status || !why.conducts;
     why.findings = err->findings;
     if (status && rests) *err = why;
     if (!rests) status = VS_OK; /* others of its cases may begin */

@@ -966,7 +966,8 @@ static void what_the_program_says_about_itself(void) {
       {"list tiers", {"analytic", "switched", "circuit"}},
       {"list probes", {"v_mains", "v_ak", "force"}},
       {"list measures", {"i_peak", "tau_p", "v_ak_min"}},
-      {"list parameters", {"machine.trough_mass", "0.83 kg", "1e-06..10000 kg"}},
+      {"list measures throw_number", {"throw_number", "(command steady)", NULL}},
+      {"list parameters", {"machine.trough_mass", "circuit.r1_part", "1e-06..10000 kg"}},
   };
   for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++) {
     ran r = run("%s", ROWS[k].words);

@@ -416,6 +416,28 @@ static void in_a_search_for_a_snubber(void) {
 
 /* ---- told ---- */
 
+/* All that is violated stands in the table, however many lines that takes. */
+static void all_that_is_violated(void) {
+  static const char *const NAMES[] = {
+      "i_peak: .. 1 uA",          "force_peak: .. 1 uN",    "p_max: .. 1 pm",
+      "u_max: .. 1 pm",           "w_max: .. 1 pm",         "stroke: .. 1 pm",
+      "ap_peak: .. 1e-6 m/s2",    "au_peak: .. 1e-6 m/s2",  "aw_peak: .. 1e-6 m/s2",
+      "energy_in: .. 1 uJ",       "energy_copper: .. 1 uJ", "t_fire: .. 1 us",
+      "conduction_time: .. 1 us", "work_force: .. 1 uJ"};
+  vs_text scene = {0};
+  vs_text_add(&scene, "run: {until: 50 ms, verify: never}\nratings:\n");
+  for (size_t k = 0; k < COUNT(NAMES); k++) vs_text_add(&scene, "  %s\n", NAMES[k]);
+  write_file("many.yaml", scene.text);
+  ran r = run("run many.yaml");
+  for (size_t k = 0; k < COUNT(NAMES); k++) {
+    char line[40];
+    snprintf(line, sizeof line, "\n  %.*s ", (int)strcspn(NAMES[k], ":"), NAMES[k]);
+    EXPECT(r.status == 3 && strstr(r.out, line), "%d, no%s in %s", r.status, line, r.out);
+  }
+  free_ran(&r);
+  vs_text_free(&scene);
+}
+
 static void told(void) {
   ran r = run("run paper --set run.until=40ms --set 'ratings={stroke: .. 2 mm, v_ak: -2 .. 2 kV, "
               "thyristor.v_forward: .. 3 kV}' -o told --quiet");
@@ -458,6 +480,7 @@ static const vs_test TESTS[] = {
     {"in a search", in_a_search},
     {"in a search for a snubber", in_a_search_for_a_snubber},
     {"told", told},
+    {"all that is violated", all_that_is_violated},
 };
 
 int main(void) {

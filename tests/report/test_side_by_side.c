@@ -459,6 +459,34 @@ static void bars_beyond(void) {
   vs_tree_free(&tree);
 }
 
+/* A relay lies on its far stop as the run begins, which is no event; its page has when it pulled
+ * in; where it does not, the warning says what would judge it. */
+static void a_relay_is_told(void) {
+  RUN_GOOD("run relay --set run.until=12ms --set run.verify=never -o v --quiet");
+  char *events = read_file("v/events.csv");
+  EXPECT(!strncmp(events, "t_s,what\n0,switched on\n0.003", 28) &&
+             strstr(events, ",armature meets the stop on the pole's side\n"),
+         "%s", events);
+  free(events);
+  if (on_path("gnuplot")) {
+    RUN_GOOD("plot v --quiet");
+    char *html = read_file("v/report.html");
+    EXPECT(strstr(html, "<p>pull_in 9.05") && !strstr(html, "&lt;p&gt;"), "its page lacks pull_in");
+    free(html);
+  }
+  for (int rated = 0; rated < 2; rated++) {
+    ran r = run("run /dev/null --set machine.model=relay --set supply.voltage=3V --set "
+                "run.until=8ms%s",
+                rated ? " --set 'ratings={pull_in: .. 20 ms}'" : "");
+    EXPECT(strstr(r.err, "warning: pull_in did not occur before 8 ms: ") &&
+               (strstr(r.err, "; the verdict judges it by a rating, as ratings: {pull_in: .. 20 ms}"
+                              "\n") == NULL) == rated,
+           "%s", r.err);
+    free_ran(&r);
+  }
+  remove_tree("v");
+}
+
 /* It stands first in what `plot` lists, and below the table of the page. A run without a verdict
  * has none, and the next run removes it. */
 static void bars_drawn(void) {
@@ -494,7 +522,8 @@ static const vs_test TESTS[] = {{"departure", departure},
                                 {"pages", pages},
                                 {"bars in order", bars_in_order},
                                 {"bars beyond", bars_beyond},
-                                {"bars drawn", bars_drawn}};
+                                {"bars drawn", bars_drawn},
+                                {"a relay is told", a_relay_is_told}};
 
 int main(void) {
   return program_suite("side_by_side", TESTS, COUNT(TESTS));

@@ -156,6 +156,22 @@ static void finds_the_least_of_a_comb(void) {
   EXPECT(found >= 18, "found by %d of 20", found);
 }
 
+/* Its least lies at the one end of the second axis alone: no step comes to it by chance. */
+static double at_an_end(const double *x, size_t n) {
+  (void)n;
+  return x[1] == 0 ? -1 - x[0] : 0;
+}
+
+/* A single restart of few points has both ends of each range among them. */
+static void ends_are_seen(void) {
+  for (uint64_t seed = 0; seed < 20; seed++) {
+    vs_search_setup setup = {
+        .axes = 3, .levels = {0, 0, 2}, .restarts = 1, .seed = seed, .most = 20, .finest = 0.1};
+    outcome o = search(at_an_end, &setup);
+    EXPECT(o.value <= -1 && o.points <= 20, "%g in %zu", o.value, o.points);
+  }
+}
+
 static void steps_are_kept(void) {
   vs_search_setup setup = {.axes = 3, .levels = {20}, .seed = 4, .most = 500, .finest = 1e-4};
   outcome o = search(steps, &setup);
@@ -195,6 +211,7 @@ static const vs_test TESTS[] = {
     {"Rosenbrock, Rastrigin, a corner, half a cube", finds_the_least},
     {"a comb, whose period is known", finds_the_least_of_a_comb},
     {"an axis in steps", steps_are_kept},
+    {"ends are seen", ends_are_seen},
     {"the same points each time", the_same_each_time},
     {"it ends where there is nothing to find", nothing_to_find},
 };

@@ -209,12 +209,13 @@ static vs_status take_operating_point(coupling *c, vs_error *err) {
     vs_trajectory_stand(&c->trajectory);
     return VS_OK;
   }
-  return vs_fail(
-      err, VS_RUN,
-      "%s, with its switches off, and a run begins without one; a part beside the switch "
-      "conducts: is it the wrong way round, or does it break down at or below the supply's "
-      "voltage?",
-      vs_tiers_on_at_rest);
+  vs_fail(err, VS_RUN,
+          "%s, with its switches off, and a run begins without one; a part beside the switch "
+          "conducts: is it the wrong way round, or does it break down at or below the supply's "
+          "voltage?",
+          vs_tiers_on_at_rest);
+  err->conducts = true;
+  return VS_RUN;
 }
 
 /* Takes the step's curvature of v, V/s^2, less what the rule was given back of it, for the length

@@ -280,11 +280,13 @@ static void add_worst(const answer *a, const vs_design_worst *w, vs_text *text) 
   add_margin(w->mark.margin, w->mark.error, text);
   vs_text_add(text, " of %s under ", line_name(a, &w->mark, &margin));
   add_case(a, &w->mark, text);
-  vs_text_add(text,
-              " (case %llu, of %llu runs; of %zu restarts %zu came to this place and %zu to this "
-              "value)",
-              (unsigned long long)w->mark.run, (unsigned long long)w->n, w->restarts, w->place,
-              w->near);
+  vs_text_add(text, " (case %llu, of %llu runs; ", (unsigned long long)w->mark.run,
+              (unsigned long long)w->n);
+  if (w->restarts > 1)
+    vs_text_add(text, "of %zu restarts %zu came to this place and %zu to this value)", w->restarts,
+                w->place, w->near);
+  else
+    vs_text_add(text, "a single search: nothing is known of other places)");
 }
 
 static void add_proof_of_ranges(const answer *a, vs_text *text) {

@@ -154,6 +154,15 @@ static void place_in_strata(const vs_search_setup *setup, const double *u, doubl
   }
 }
 
+/* Puts one of the first points at an end of a range: each range has both of its ends once, as they
+ * are often the worst. In a start of few points that would be most of them, and none is put there.
+ */
+static void put_at_end(const vs_search *s, size_t point, size_t of, double *x) {
+  if (4 * s->continua > of || point >= 2 * s->continua) return;
+  for (size_t d = 0, k = 0; d < s->setup.axes; d++)
+    if (!s->setup.levels[d] && k++ == point / 2) x[d] = (double)(point % 2);
+}
+
 static void ask_start(vs_search *s) {
   const size_t n = start_count(s);
   const size_t axes = s->setup.restarts ? strata_axes(&s->setup) : s->setup.axes;
@@ -164,6 +173,7 @@ static void ask_start(vs_search *s) {
     for (size_t d = 0; d < axes; d++) u[d] = vs_random_sobol_at(sobol, i, d);
     if (s->setup.restarts) {
       place_in_strata(&s->setup, u, x);
+      put_at_end(s, i, n, x);
       add_new(s, x);
     } else {
       memcpy(x, u, axes * sizeof *x);

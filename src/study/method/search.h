@@ -9,12 +9,13 @@
  * in which it went (Hooke and Jeeves, J. ACM, 1961). That suits smooth functions.
  *
  * With restarts it begins with Sobol points in strata: over the known periods of each axis, the
- * place in a period, and the combinations of levels. From the best of them that are apart from each
- * other (multi level single linkage: Rinnooy Kan and Timmer, Mathematical Programming, 1987) climbs
- * go on, of which the better half goes on each time (successive halving: Jamieson and Talwalkar,
- * AISTATS 2016). Along a single axis a climb closes in on both sides, so that it finds an edge, and
- * tries the same place of other periods. Along several it changes a few axes at random, by less and
- * less. That suits rugged functions with jumps. */
+ * place in a period, and the combinations of levels; the first of them lie at both ends of each
+ * axis. From the best of them that are apart from each other (multi level single linkage: Rinnooy
+ * Kan and Timmer, Mathematical Programming, 1987) climbs go on, of which the better half goes on
+ * each time (successive halving: Jamieson and Talwalkar, AISTATS 2016). Along a single axis a climb
+ * closes in on both sides, so that it finds an edge, and tries the same place of other periods.
+ * Along several it changes a few axes at random, by less and less. That suits rugged functions with
+ * jumps. */
 #pragma once
 
 #include <stddef.h>

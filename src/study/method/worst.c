@@ -195,14 +195,17 @@ static void say_finding(const vs_plan *plan, const worst *w, const finding *f, u
     vs_text_add(text, "no case of %llu has a value of %s", (unsigned long long)count, w->measure);
     return;
   }
-  vs_text_add(
-      text,
-      "the worst found in %llu cases is %s %.6g%s%s, case %llu; of %zu restarts %zu came to "
-      "its place and %zu to its value, within %g %% of each axis and of the value; this is "
-      "no bound",
-      (unsigned long long)count, w->measure, f->value, column && *column->unit ? " " : "",
-      column ? column->unit : "", (unsigned long long)f->best, f->restarts, f->place, f->near,
-      100 * VS_SEARCH_AGREE);
+  vs_text_add(text, "the worst found in %llu cases is %s %.6g%s%s, case %llu; ",
+              (unsigned long long)count, w->measure, f->value, column && *column->unit ? " " : "",
+              column ? column->unit : "", (unsigned long long)f->best);
+  if (f->restarts > 1)
+    vs_text_add(text,
+                "of %zu restarts %zu came to its place and %zu to its value, within %g %% of each "
+                "axis and of the value; ",
+                f->restarts, f->place, f->near, 100 * VS_SEARCH_AGREE);
+  else
+    vs_text_add(text, "a single search tells nothing of other places: raise n or restarts; ");
+  vs_text_add(text, "this is no bound");
 }
 
 static void say_worst(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,

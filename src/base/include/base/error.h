@@ -31,6 +31,7 @@ typedef struct vs_error {
   int place_size;        /* how many bytes of text stand before the message: "file:line:column: " */
   int line, column;      /* of the place, from 1; 0: not known */
   bool gave_up;          /* the circuit's solver gave up; with other settings it might not have */
+  bool conducts;         /* no run can begin: a part of the circuit conducts at rest */
   bool elsewhere;        /* a warning whose place is in another file than the command was given, and
                             is shown wherever the warning is */
   vs_findings *findings; /* a check keeps its errors here; NULL: the command ends at its first

@@ -21,28 +21,28 @@
     "first conduction, from firing to extinction; gaps between a gate's sub-pulses included")      \
   X(VS_M_FORCE_PEAK, "force_peak", "N", "largest force")                                           \
   X(VS_M_GAP_FIRST, "gap_first_peak", "m",                                                         \
-    "first motion peak of the travel, by which the gap is opened, after the first firing")         \
-  X(VS_M_GAP_SECOND, "gap_second_peak", "m", "the extremum of the travel that follows it")         \
+    "first peak of the travel (the gap's opening) after the first firing")                         \
+  X(VS_M_GAP_SECOND, "gap_second_peak", "m", "the travel's extremum after its first peak")         \
   X(VS_M_GAP_MIN, "gap_min", "m", "least travel: how far the gap is closed")                       \
   X(VS_M_GAP_MAX, "gap_max", "m", "largest travel: how far the gap is opened")                     \
   X(VS_M_STROKE, "stroke", "m", "largest travel less the least, over the run")                     \
   X(VS_M_F_RESONANCE, "f_resonance", "Hz",                                                         \
-    "of the free swing, from the rising zero crossings of %s between the first extinction and 1 "  \
-    "s or the next firing")                                                                        \
-  X(VS_M_TAU_GAP, "tau_gap", "s", "decay time of the travel there, from its extremes' envelope")   \
+    "of the free swing: from the rising zero crossings of %s after the first extinction, up to 1 " \
+    "s "                                                                                           \
+    "or the next firing")                                                                          \
+  X(VS_M_TAU_GAP, "tau_gap", "s", "decay time of the travel in the free swing, by its extremes")   \
   X(VS_M_ENERGY_IN, "energy_in", "J", "drawn from the mains")                                      \
   X(VS_M_ENERGY_COPPER, "energy_copper", "J", "lost in the coil's resistance")                     \
   X(VS_M_WORK_FORCE, "work_force", "J", "done by the force on the machine")                        \
   X(VS_M_ENERGY_RESIDUAL, "energy_residual", "",                                                   \
-    "what the worst energy balance leaves over, relative to |work_force| or to 1 % of "            \
-    "|energy_in|, "                                                                                \
+    "largest imbalance of the energy books, as a part of |work_force| or of 1 % of |energy_in|, "  \
     "whichever is more")                                                                           \
   X(VS_M_PULL_IN, "pull_in", "s", "from switching on to the armature's first contact")             \
   X(VS_M_RELEASE, "release", "s",                                                                  \
     "from switching off to the instant at which the armature leaves its stop for good")            \
   X(VS_M_BOUNCE_TIME, "bounce_time", "s", "from the first contact to the last one")                \
-  X(VS_M_BOUNCES, "bounces", "", "contacts behind the first one")                                  \
-  X(VS_M_IMPACT_SPEED, "impact_speed", "m/s", "of the travel at the first contact")                \
+  X(VS_M_BOUNCES, "bounces", "", "contacts after the first one")                                   \
+  X(VS_M_IMPACT_SPEED, "impact_speed", "m/s", "speed of the travel at the first contact")          \
   X(VS_M_COIL_T, "coil.t_max", "degC", "highest temperature of the winding, by its losses")
 
 /* VS_M_PULL_IN and the four after it are of a machine that pulls in alone (vs_model.pulls_in),

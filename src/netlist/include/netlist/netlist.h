@@ -29,6 +29,13 @@ vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err);
 /* The same for a library of subcircuits and models, which need not be a deck. */
 vs_status vs_netlist_read_library(const char *path, vs_deck *library, vs_error *err);
 
+/* The key NAME_part of the deck's device of this number, a resistor or capacitor of the netlist: it
+ * says of which series that is, which gives it the series' limits. False: it has no such key, or
+ * the deck's section has it already. */
+enum { VS_SERIES_KEY = VS_DECK_NAME + 8 }; /* bytes */
+bool vs_netlist_series_key(const vs_deck *deck, size_t device, char key[VS_SERIES_KEY],
+                           vs_field *field);
+
 /* True where part number `part` says of which series a resistor or capacitor of the deck is, as
  * r1_part of r1, and the series has no such value: a resistance beyond the limits r_least and
  * r_most, a capacitance more than 20 % from c_rated. The value is that of the parameter r1, else of
