@@ -166,7 +166,7 @@ static vs_status read_row_lines(vs_csv *csv, vs_error *err) {
     const size_t begin = csv->begins[csv->n_lines - 1];
     if (begin + strlen(csv->text + begin) != size)
       return vs_fail_at(err, (vs_where){csv->file, csv->line + (int)csv->n_lines - 1, 1},
-                        "a zero byte; this is no text");
+                        "a zero byte; text in UTF-8 is wanted");
     if (first && !strncmp(csv->text, MARK, strlen(MARK))) {
       size -= strlen(MARK);
       memmove(csv->text, csv->text + strlen(MARK), size + 1);

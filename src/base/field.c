@@ -325,8 +325,9 @@ vs_status vs_field_section_read(const vs_section *section, const vs_node *map, v
   if (map && map->kind == VS_NODE_TEXT && !*map->text)
     map = NULL; /* the scene says "run:" and nothing more */
   if (map && map->kind != VS_NODE_MAP) {
-    status = vs_fail_at(err, map->where, "%s: a map of keys is wanted: {key: value, ...}",
-                        section->name);
+    const bool colon = map->kind == VS_NODE_TEXT && strchr(map->text, ':');
+    status = vs_fail_at(err, map->where, "%s: a map of keys is wanted: {key: value, ...}%s",
+                        section->name, colon ? "; a blank has to follow each colon" : "");
     status = vs_error_keep(err, status);
     map = NULL;
   }

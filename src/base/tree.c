@@ -160,9 +160,14 @@ static vs_status convert_children_of(struct fy_node *fy, const char *file, vs_no
     tail = &(*tail)->next;
   }
   const vs_node *second = second_of_a_key(parent);
-  return second ? vs_fail_at(err, second->key_where,
-                             "not YAML: duplicate key; a map has each key once")
-                : VS_OK;
+  if (!second) return VS_OK;
+  const vs_node *first = parent->child;
+  while (strcmp(first->key, second->key) != 0) first = first->next;
+  return vs_fail_at(
+      err, second->key_where,
+      "not YAML: duplicate key '%.100s', which stands in line %d, too; a map has each "
+      "key once",
+      second->key, first->key_where.line);
 }
 
 static vs_status convert_node(struct fy_node *fy, const char *file, vs_node **out, vs_error *err) {
@@ -342,7 +347,7 @@ static vs_status read_text(const char *path, char **text, size_t *length, vs_err
     if (strlen(part) < n) {
       const char *before = all.text ? all.text : "";
       status = vs_fail_at(err, place_of_byte(before, before + all.length, path),
-                          "a zero byte; this is no text");
+                          "a zero byte; text in UTF-8 is wanted");
       break;
     }
   }

@@ -169,6 +169,22 @@ static void wanted_units(const char *expected, const char *number, char *text, s
   snprintf(text + n, size - n, "%s%s%s%s%s", quote, number, blank, expected, quote);
 }
 
+/* Writes the units of that kind which `text` would be but for capitals: "ms or Ms" for MS. Returns
+ * false where there is none. */
+static bool other_case(const char *text, const unit *want, char *out, size_t size) {
+  char name[16];
+  size_t n = 0;
+  for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++)
+    for (size_t p = 0; p < sizeof PREFIXES / sizeof *PREFIXES && n < size; p++) {
+      snprintf(name, sizeof name, "%s%s", PREFIXES[p].text, UNITS[k].name);
+      if ((*PREFIXES[p].text && !UNITS[k].prefixed) || strcasecmp(name, text) != 0 ||
+          memcmp(UNITS[k].unit.power, want->power, sizeof want->power) != 0)
+        continue;
+      n += (size_t)snprintf(out + n, size - n, "%s%s", n ? " or " : "", name);
+    }
+  return n;
+}
+
 /* A number that a double cannot hold, or not in SI. */
 static bool refuse_size(const char *text, double value, char *why, size_t size) {
   snprintf(why, size,
@@ -251,8 +267,10 @@ bool vs_units_read(const char *text, const char *expected, double *si, char *why
     if (*why) return false;
   }
   if (!known) {
-    wanted_units(expected, "", wanted, sizeof wanted);
-    snprintf(why, size, "'%s' is no unit known here; write %s", end, *expected ? wanted : as);
+    const bool capitals = other_case(end, &want, wanted, sizeof wanted);
+    if (!capitals) wanted_units(expected, "", wanted, sizeof wanted);
+    snprintf(why, size, "'%s' is no unit known here; write %s%s", end, *expected ? wanted : as,
+             capitals ? ": capitals count" : "");
     return false;
   }
   if (!*end && *expected && value != 0) {

@@ -27,11 +27,8 @@
 
 /* A value goes at most a decade of E12 to either side. Of the parts that come with the program
  * BEYOND are tried whose limit is next above the stress that breaks it, and NEXT of the next larger
- * and the next smaller ones. */
-enum { DECADE = 12, BEYOND = 4, NEXT = 2, MOST_SHIPPED = 512, DIGITS = 9 };
-
-/* Bytes that a warning of a part may have. */
-enum { ROOM = 512 };
+ * and the next smaller ones. ROOM: bytes that a warning of a part may have. */
+enum { DECADE = 12, BEYOND = 4, NEXT = 2, MOST_SHIPPED = 512, DIGITS = 9, ROOM = 512 };
 
 /* A part, with what its file says of it. */
 typedef struct known_part {
@@ -562,11 +559,7 @@ static void show_change(const cure *c, const change *k) {
   currency_of(c, money);
   printf("%s %s -> %s", k->what, k->from, k->to);
   if (!isnan(k->price))
-    printf(" (%s%.4g%s%s)",
-           k->is_whole    ? ""
-           : k->price < 0 ? "-"
-                          : "+",
-           k->is_whole ? k->price : fabs(k->price), *money ? " " : "", money);
+    printf(k->is_whole ? " (%.4g%s%s)" : " (%+.4g%s%s)", k->price, *money ? " " : "", money);
   if (*k->failed)
     printf(": %s\n", k->failed);
   else if (k->holds)
@@ -576,6 +569,20 @@ static void show_change(const cure *c, const change *k) {
     printf(": does not hold %s; least margin %+.3g %% (%s)\n", k->breaks, 100 * k->margin, k->line);
   else
     printf(": not proved\n");
+}
+
+/* How many changes of each key were tried, and what was not. */
+static void show_tried(const cure *c) {
+  const vs_section *keys = &c->scene->setup.deck.section;
+  for (size_t f = 1; f < keys->count; f++) {
+    size_t n = 0;
+    for (size_t k = 0; k < c->count; k++) n += !strcmp(c->item[k].what, keys->fields[f].key);
+    if (n) printf("%s: %zu tried\n", keys->fields[f].key, n);
+    if (!n && keys->fields[f].kind != VS_REAL)
+      printf("no other part for %s\n", keys->fields[f].key);
+  }
+  printf("not tried: two changes at once, other keys%s\n",
+         *c->list.path ? "" : ", parts further in size (--catalogue FILE.csv tries a list)");
 }
 
 static void show_cures(const cure *c, size_t cures) {
@@ -590,11 +597,7 @@ static void show_cures(const cure *c, size_t cures) {
   for (size_t k = 0; k < (c->o->all ? c->count : cures); k++) show_change(c, &c->item[k]);
   printf("%zu of %zu changes cure it, in %ld run%s%s\n", cures, c->count, c->runs,
          c->runs == 1 ? "" : "s", c->o->all || cures == c->count ? "" : "; --all shows the others");
-  for (size_t p = 0; p < c->scene->setup.deck.n_parts; p++) {
-    size_t k = 0;
-    while (k < c->count && strcmp(c->item[k].what, c->scene->setup.deck.parts[p].name) != 0) k++;
-    if (k == c->count) printf("no other part for %s\n", c->scene->setup.deck.parts[p].name);
-  }
+  show_tried(c);
   if (cures) puts(CAVEAT);
 }
 

@@ -663,11 +663,13 @@ static void show_happening(const happening *h, double at_s, FILE *out) {
 static void show_sum(const cause *k, FILE *out) {
   char from[VS_ENGINEERING_SIZE], to[VS_ENGINEERING_SIZE];
   fputs("a sum over time", out);
+  if (!isnan(k->of->stress.at_s))
+    fprintf(out, " up to %s", vs_engineering_text(k->of->stress.at_s, "s", to));
   if (k->part > 0 && k->sum > 0)
     fprintf(out, ", %.0f %% of it from %s to %s", 100 * k->part / k->sum,
             vs_engineering_text(k->part_from_s, "s", from),
             vs_engineering_text(k->part_from_s + k->period_s, "s", to));
-  fprintf(out, "; its largest %s is ", k->voltage ? "voltage" : "current");
+  fprintf(out, "; the run's largest %s is ", k->voltage ? "voltage" : "current");
 }
 
 /* What makes the line, as text; to be freed. */

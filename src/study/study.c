@@ -166,8 +166,7 @@ static void discard_folder(const session *s) {
 
 static session *begin_session(const vs_study_options *o) {
   session *s = vs_alloc(1, sizeof *s);
-  s->o = o;
-  s->journal.fd = s->journal.folder = -1;
+  *s = (session){.o = o, .journal = {.fd = -1, .folder = -1}};
   s->cases = (vs_cases){.plan = &s->plan, .journal = &s->journal};
   vs_hash_hold(true); /* before the first file is read */
   return s;
@@ -182,14 +181,14 @@ static vs_results cases_results(const vs_cases *c, uint64_t count) {
 static void say_stopped(const session *s, vs_error *err) {
   const vs_plan_stage *stage = s->plan.adaptive;
   const vs_results results = cases_results(&s->cases, s->cases.answered);
-  vs_text found = {0};
-  char of[32] = "";
-  if (!stage) snprintf(of, sizeof of, " of %llu", (unsigned long long)s->total);
-  vs_text_add(&found, stage && stage->method->say && results.count ? "; so far: " : "");
-  if (found.length) stage->method->say(&s->plan, stage, &results, &found);
-  vs_fail(err, VS_SIGNAL, "stopped by a signal; --resume goes on: %llu%s cases are done%s",
-          (unsigned long long)(s->journal.done + s->journal.failed), of, found.text);
-  vs_text_free(&found);
+  vs_text text = {0};
+  vs_text_add(&text, "%llu", (unsigned long long)(s->journal.done + s->journal.failed));
+  if (!stage) vs_text_add(&text, " of %llu", (unsigned long long)s->total);
+  vs_text_add(&text, " cases are done (rows: %s, behind \" = \")", s->journal.path);
+  if (stage && stage->method->say && results.count)
+    vs_text_add(&text, "; so far: "), stage->method->say(&s->plan, stage, &results, &text);
+  vs_fail(err, VS_SIGNAL, "stopped by a signal; --resume goes on: %s", text.text);
+  vs_text_free(&text);
 }
 
 static vs_status end_session(session *s, vs_status status, vs_error *err) {

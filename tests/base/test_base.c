@@ -207,6 +207,7 @@ static void bad_quantities(void) {
       {"90", "deg", {"no unit", "'90 deg'"}},
       {"330", "kohm", {"no unit", "'330 ohm' or '330 kohm'"}}, /* not a thousandfold by itself */
       {"47x", "nF", {"'x' is no unit", "write F or nF"}},
+      {"20 MS", "s", {"'MS' is no unit", "write ms or Ms: capitals count"}},
       {"1M", "kohm", {"'1M' may be milli or mega", "write '1 mohm' or '1 Mohm'"}},
       {"1m", "uF", {"'1m' may be milli or mega", "write '1 mF' or '1 MF'"}},
       {"4.5k7", "ohm", {"'k7' is no unit", "write"}},

@@ -50,6 +50,8 @@ static void next_value(void) {
   SAYS(&r, 0, "not held: i_d\nr1 1000 -> 1200 ohm: least margin +4.2");
   SAYS(&r, 0, "(i_d), proved by a run\n1 of ");
   SAYS(&r, 0,
+       "r1: 2 tried\nc1: 13 tried\nnot tried: two changes at once, other keys, parts further");
+  SAYS(&r, 0,
        "other threats, tolerances, corners and what the scene does not judge were not tried");
   EXPECT(!strstr(r.out, "c1 "), "%s", r.out);
   free_ran(&r);

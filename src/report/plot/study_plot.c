@@ -200,15 +200,17 @@ bool vs_study_plot_varies(const vs_study_plot *k, size_t column) {
 
 void vs_study_plot_widen(const vs_study_plot *k, size_t column, double *least, double *largest) {
   const vs_folder *t = k->t;
-  const bool margin = t->column[column].role == VS_ROLE_MARGIN;
-  double span = LEAST_SPAN * fmax(fabs(*least), fabs(*largest));
+  const double size = fmax(fabs(*least), fabs(*largest)), span = *largest - *least;
+  double wanted = 0;
   if (t->column[column].role == VS_ROLE_AXIS) return;
-  if (margin && t->error > 0 && isfinite(k->s->profile[t->error].largest))
-    span = fmax(span, 2 * k->s->profile[t->error].largest * vs_study_plot_scale(k, column).factor);
-  const double more = (span - (*largest - *least)) / 2;
-  if (!(more > 0)) return;
-  *least -= more;
-  *largest += more;
+  if (span <= LEAST_SPAN * size) wanted = 0.1 * size;
+  if (t->column[column].role == VS_ROLE_MARGIN && t->error > 0 &&
+      isfinite(k->s->profile[t->error].largest))
+    wanted =
+        fmax(wanted, 2 * k->s->profile[t->error].largest * vs_study_plot_scale(k, column).factor);
+  if (!(wanted > span)) return;
+  *least -= (wanted - span) / 2;
+  *largest += (wanted - span) / 2;
 }
 
 void vs_study_plot_range(const vs_study_plot *k, size_t column, char axis, bool from_zero,

@@ -77,10 +77,10 @@ static void take_class(answer *a, size_t choice, const vs_design_class *class,
   vs_hold_word came[2];
   for (size_t l = 0; l < d->choice[c->leader].n_limits; l++) {
     vs_hold_row row = VS_HOLD_ROW;
-    vs_design_mark mark = a->s.answer->worst_at[choice][l];
-    if (isnan(class->limit[l]) || !(a->s.answer->worst[choice][l] > 0)) continue;
-    vs_hold_judge(&d->hold, c->line[l], 1 - a->s.answer->worst[choice][l] / class->limit[l], NAN,
-                  "", &row, came);
+    vs_design_mark mark = a->best->worst_at[choice][l];
+    if (isnan(class->limit[l]) || !(a->best->worst[choice][l] > 0)) continue;
+    vs_hold_judge(&d->hold, c->line[l], 1 - a->best->worst[choice][l] / class->limit[l], NAN, "",
+                  &row, came);
     mark.line = c->line[l];
     mark.margin = row.margin;
     mark.error = NAN;
@@ -690,8 +690,8 @@ static void add_nearest(const answer *a, vs_text *text) {
   else if (c->doubtful)
     add_doubt(a, c, text);
   else
-    vs_text_add(text, " held %llu runs, and was not run to its end, as the budget is spent\n",
-                (unsigned long long)c->runs);
+    vs_text_add(text, " held %llu run%s, and was not run to its end, as the budget is spent\n",
+                (unsigned long long)c->runs, c->runs == 1 ? "" : "s");
   vs_text_add(text, "\n");
 }
 
