@@ -445,8 +445,7 @@ enum { MOST_LANDINGS = 10 };
 /* The next step's length as a part of h, whose error was off: that which would be off by FULL, and
  * longer or shorter again as the last one should have been (Gustafsson's rule: Hairer and Wanner,
  * section IV.8), by up to TREND. Errors above 1 tell nothing of a trend. */
-static const double FULL = 0.65, TREND = 2, LEAST_OFF = 1e-3, SHORTER = 1.0 / 6, LONGER = 40,
-                    BEHIND_ROUNDING = 5;
+static const double FULL = 0.65, TREND = 2, LEAST_OFF = 1e-3, SHORTER = 1.0 / 6, LONGER = 5;
 
 static double next_factor(const compiled *c, double h, double off) {
   if (!isfinite(off)) return SHORTER;
@@ -534,7 +533,7 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
       c->landings = 0;
       c->before_s = rounds ? 0 : *h;
       c->off_before = off;
-      *h *= rounds ? BEHIND_ROUNDING : c->failed ? fmin(factor, 1) : factor;
+      *h *= rounds ? LONGER : c->failed ? fmin(factor, 1) : factor;
       c->failed = false;
     }
     vs_replay_note(c->job->steps, &note);

@@ -28,6 +28,8 @@ static const char *const HEADINGS[VS_SHOWN_GROUPS] = {[VS_SHOWN_MOTION] = "motio
 /* One pass over the measures. */
 typedef struct rows {
   const vs_result *result;
+  vs_listed_measure *measure; /* all of them; owned */
+  int count;
   const vs_show_options *options;
   FILE *out;
   int standard; /* the first so many measures may have been measured */
@@ -133,16 +135,14 @@ static void print_ends(rows *r, const vs_listed_measure *least, const vs_listed_
 
 /* Prints the k-th measure, and with it the next one where the two are the ends of a range. Returns
  * how many these were. */
-static int print_next(rows *r, const vs_listed_measure *m, int k) {
-  const vs_frame *frame = &r->result->scene->frame;
-  vs_listed_measure next;
-  const bool two = !measured_of(r, k) && vs_listed_measure_at(frame, r->result, k + 1, &next) &&
-                   !measured_of(r, k + 1) &&
-                   is_measure_asked(r, m, k) == is_measure_asked(r, &next, k + 1) &&
-                   are_ends(m, &next) &&
-                   (r->options->most == INT_MAX || (next.value.known && next.value.value != 0));
+static int print_next(rows *r, int k) {
+  const vs_listed_measure *m = &r->measure[k], *next = m + 1;
+  const bool two = !measured_of(r, k) && k + 1 < r->count && !measured_of(r, k + 1) &&
+                   is_measure_asked(r, m, k) == is_measure_asked(r, next, k + 1) &&
+                   are_ends(m, next) &&
+                   (r->options->most == INT_MAX || (next->value.known && next->value.value != 0));
   if (two)
-    print_ends(r, m, &next);
+    print_ends(r, m, next);
   else
     print_measure(r, m, k);
   r->lines++;
@@ -151,35 +151,34 @@ static int print_next(rows *r, const vs_listed_measure *m, int k) {
 }
 
 static void print_group(rows *r) {
-  vs_listed_measure m;
   r->begun = false;
-  for (int k = 0; vs_listed_measure_at(&r->result->scene->frame, r->result, k, &m);) {
-    const bool prints = is_measure_wanted(r, &m, k) && r->lines < r->options->most;
+  for (int k = 0; k < r->count;) {
+    const bool prints = is_measure_wanted(r, &r->measure[k], k) && r->lines < r->options->most;
     if (prints) begin_group(r);
-    k += prints ? print_next(r, &m, k) : 1;
+    k += prints ? print_next(r, k) : 1;
   }
 }
 
 /* Prints the measure of that name where it says something and does not stand there already. */
 static void print_named(rows *r, const char *name) {
-  vs_listed_measure m;
-  for (int k = 0; vs_listed_measure_at(&r->result->scene->frame, r->result, k, &m); k++)
-    if (!strcmp(m.name, name) && ((m.value.known && m.value.value != 0) || m.absent) &&
-        !is_measure_asked(r, &m, k))
-      print_next(r, &m, k);
+  for (int k = 0; k < r->count; k++) {
+    const vs_listed_measure *m = &r->measure[k];
+    if (!strcmp(m->name, name) && ((m->value.known && m->value.value != 0) || m->absent) &&
+        !is_measure_asked(r, m, k))
+      print_next(r, k);
+  }
 }
 
 /* Prints what the deck's probes have of its first few currents. */
 static void print_currents(rows *r) {
   enum { CURRENTS = 2 };
-  vs_listed_measure m;
   int printed = 0;
-  for (int k = 0;
-       vs_listed_measure_at(&r->result->scene->frame, r->result, k, &m) && printed < CURRENTS;) {
-    const bool prints = m.channel >= 0 && !strcmp(m.unit, "A") && m.value.known &&
-                        r->lines < r->options->most && !is_measure_asked(r, &m, k);
+  for (int k = 0; k < r->count && printed < CURRENTS;) {
+    const vs_listed_measure *m = &r->measure[k];
+    const bool prints = m->channel >= 0 && !strcmp(m->unit, "A") && m->value.known &&
+                        r->lines < r->options->most && !is_measure_asked(r, m, k);
     printed += prints;
-    k += prints ? print_next(r, &m, k) : 1;
+    k += prints ? print_next(r, k) : 1;
   }
 }
 
@@ -207,9 +206,11 @@ static int print_groups(const vs_result *result, const vs_show_options *options,
             .out = out,
             .standard = vs_measures_count(&s->setup.model)};
   vs_listed_measure m;
-  int count = 0;
   bool measured = false;
-  while (vs_listed_measure_at(&s->frame, result, count, &m)) count++;
+  while (vs_listed_measure_at(&s->frame, result, r.count, &m)) {
+    r.measure = vs_alloc_grow(r.measure, (size_t)r.count, sizeof *r.measure);
+    r.measure[r.count++] = m;
+  }
   for (int k = 0; k < r.standard; k++) measured = measured || s->measured[k].known;
   if (options->most < INT_MAX)
     print_few(&r);
@@ -217,7 +218,8 @@ static int print_groups(const vs_result *result, const vs_show_options *options,
     for (r.group = -1; r.group < VS_SHOWN_GROUPS; r.group++) print_group(&r);
   if (measured && !options->measured)
     fputs("what was measured is not shown: --set has changed what it was measured of\n", out);
-  return count - r.printed;
+  free(r.measure);
+  return r.count - r.printed;
 }
 
 /* ---- what was run ---- */

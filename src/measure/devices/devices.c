@@ -427,6 +427,34 @@ static void find_restless(const vs_watched *w, vs_device_watch *own, const vs_co
   }
 }
 
+/* Takes the measures that ask for their own course alone through the steps, one by one, and leaves
+ * the others in the list. */
+static void follow_own_courses(const vs_watched *w, vs_device_watch *own, const vs_batch *b,
+                               const vs_courses *all) {
+  size_t others = 0;
+  for (size_t k = 0; k < own->n_now; k++) {
+    vs_reduced *r = own->now[k];
+    const int of = r->measure->of;
+    vs_course_step c = {.h_s = 0};
+    if (!r->by->own_course) {
+      own->now[others++] = r;
+      continue;
+    }
+    c.to[of] = w->last[of];
+    for (size_t n = 0; n < b->count; n++) {
+      c.from[of] = c.to[of];
+      c.t0_s = b->t0_s[n];
+      c.t1_s = b->t1_s[n];
+      c.h_s = c.t1_s - c.t0_s;
+      if (!(c.h_s > 0)) continue;
+      c.to[of] = all->of[of][n][1];
+      if (of != VS_OF_FLUX) c.more[of] = all->more[of][n];
+      r->by->follow(w, r, &c);
+    }
+  }
+  own->n_now = others;
+}
+
 /* True if all that these steps bring is a share of each integral: the device does not switch, melt
  * or tell what its loss is made of, all of the steps count in its means, and its measures rest. */
 static bool only_adds_up(const vs_devices *d, size_t k, const vs_batch *b) {
@@ -484,6 +512,7 @@ static void follow_device(vs_devices *d, size_t k, const vs_batch *b) {
   size_t last = b->count - 1;
   evaluate_course(w, &d->watch[k], b, &c);
   find_restless(w, &d->watch[k], &c);
+  follow_own_courses(w, &d->watch[k], b, &c);
   if (only_adds_up(d, k, b))
     add_up(w, b->t0_s[0], &c);
   else

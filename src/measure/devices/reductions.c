@@ -45,7 +45,8 @@ static bool peak_rests(const vs_watched *w, const vs_reduced *r, const vs_course
   return most <= r->value.value && !(watched && !(most <= r->limit->value));
 }
 
-static const vs_reducer peak = {.is_busy = has_measured_course,
+static const vs_reducer peak = {.own_course = true,
+                                .is_busy = has_measured_course,
                                 .begin = begin_peak,
                                 .follow = follow_peak,
                                 .rests = peak_rests};
@@ -195,7 +196,7 @@ static void follow_slope(const vs_watched *w, vs_reduced *r, const vs_course_ste
 }
 
 static const vs_reducer steepest = {
-    .state_size = sizeof(vs_slope), .is_rate = true, .follow = follow_slope};
+    .own_course = true, .state_size = sizeof(vs_slope), .is_rate = true, .follow = follow_slope};
 
 /* ---- the table ---- */
 

@@ -71,7 +71,7 @@ static void finish_let_through(const vs_watched *w, vs_reduced *r, const vs_run_
 }
 
 #define WITHIN .state_size = sizeof(window), .begin = begin_window
-const vs_reducer vs_surge_within = {WITHIN, .follow = follow_within},
+const vs_reducer vs_surge_within = {WITHIN, .own_course = true, .follow = follow_within},
                  vs_surge_let_through = {WITHIN, .follow = follow_within,
                                          .take_melting = note_fuse_melts,
                                          .finish = finish_let_through},
@@ -81,7 +81,7 @@ const vs_reducer vs_surge_within = {WITHIN, .follow = follow_within},
                                      .follow = follow_whole_fuse,
                                      .take_melting = note_fuse_melts,
                                      .finish = finish_melting},
-                 vs_surge_peak = {WITHIN, .across = true, .follow = follow_surge};
+                 vs_surge_peak = {WITHIN, .across = true, .own_course = true, .follow = follow_surge};
 #undef WITHIN
 
 /* ---- against tables ---- */

@@ -170,6 +170,9 @@ struct vs_reducer {
   /* The limit is found in the run: of a table, what the value that comes nearest to it may be.
    * Where is_busy says no, there is none. */
   bool finds_limit;
+  /* `follow` asks for no more of a step than its times, and for the course that the measure is of:
+   * its values at both ends, and its integral. */
+  bool own_course;
   /* Prepares the state, before the run. limit and states are there. */
   void (*prepare)(vs_watched *w, vs_reduced *r);
   /* False: this measure needs no `begin` and `follow`. NULL: it needs them. */
