@@ -244,6 +244,7 @@ static void elements_are_as_in_ngspice(void) {
       "V8 s 0 sin(0 2 70)\nR8 s w 100\nV7 w 0 0\nW9 s q V7 wm\nR9 q 0 1k\n.model wm csw(it=5m "
       "ih=2m ron=10 roff=1meg)",
       "X9 q blank\n.subckt blank q\n.param r=1k*3 + 5k\nR1 q 0 {r}\nI1 0 q 1m\n.ends",
+      "V9 w 0 sin(0 5 1k)\nC9 w q 1u\nC8 q 0 1u", /* no error but between a step's ends */
       "Q9 q c 0 qm\nR9 a q 100meg\nR8 c 0 1g\n.model qm npn(is=1e-16 bf=100 vaf=20)",
   };
   if (is_for_memory_alone()) return;
@@ -436,7 +437,8 @@ static void same_text(const char *a, const char *b) {
 static void a_study_is_judged_by_ngspice(void) {
   write_file("s.yaml", STUDY);
   ran r = run("study s.yaml -o one --jobs 1");
-  EXPECT(r.status == 0 && strstr(r.out, "judged 3 of 16 cases in ngspice: the largest difference is"),
+  EXPECT(r.status == 0 &&
+             strstr(r.out, "judged 3 of 16 cases in ngspice: the largest difference is"),
          "%d: %s%s", r.status, r.out, r.err);
   free_ran(&r);
   char *manifest = read_file("one/manifest.json");
@@ -463,7 +465,8 @@ static void failed_cases_leave_no_study_unjudged(void) {
                        "{from: 120 deg, to: 135 deg, step: 3 deg}}\n"
                        "report: [i_peak]\n");
   ran r = run("study f.yaml -o some --jobs 1");
-  EXPECT(r.status == 1 && strstr(r.out, "judged 3 of 18 cases in ngspice: the largest difference is"),
+  EXPECT(r.status == 1 &&
+             strstr(r.out, "judged 3 of 18 cases in ngspice: the largest difference is"),
          "%d: %s%s", r.status, r.out, r.err);
   free_ran(&r);
   for (int k = 1; k <= 3; k++) {
