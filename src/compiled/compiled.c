@@ -518,7 +518,10 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
       note.cut = true;
       c->landings = *taken < 10 * RESTART_S ? c->landings + 1 : 0;
       c->looked = false;
-      if (!vs_rodas_try(&c->r, *taken)) return give_up(c, "the equations are singular", err);
+      if (!vs_rodas_try(&c->r, *taken)) { /* a restart may be longer */
+        *taken = 0;
+        break;
+      }
       if (!isfinite(error_of(c, *taken))) { /* a junction's exponential within the step */
         *h = *taken / 6;
         *taken = best_s = 0;
