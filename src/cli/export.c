@@ -22,6 +22,7 @@
 #include "engine/timeline.h"
 #include "export_fmu.h"
 #include "export_machine.h"
+#include "measure/measures.h"
 #include "netlist/deck.h"
 #include "netlist/netlist.h"
 #include "options.h"
@@ -461,14 +462,14 @@ static void add_head(vs_text *t, const vs_scene *scene, const char *deck_name,
               deck->compat, *deck->compat ? "a " : "", deck_name);
   vs_text_add(
       t,
-      "* It prints a few measures (first peak: the gap's first %s after firing) and writes a\n"
-      "* table in the working directory, %s: columns between blanks, names first, a row every\n"
-      "* vs_sample seconds. A name ends in its unit. z: air gap; lambda i v_eva: of the coil;\n"
-      "* force: on the armature; before them the machine's coordinates, behind them what the\n"
-      "* converter declares. A run that ends early or meets the pole gives no table and exit "
-      "status "
-      "1.\n",
-      opens_the_gap(&scene->setup.model) ? "maximum" : "minimum", table_name);
+      "* It prints a few measures (first peak: the gap's first %s after firing, once the travel\n"
+      "* is above %g %% of its largest) and writes a table in the working directory, %s:\n"
+      "* columns between blanks, names first, a row every vs_sample seconds. A name ends in its\n"
+      "* unit. z: air gap; lambda i v_eva: of the coil; force: on the armature; before them the\n"
+      "* machine's coordinates, behind them what the converter declares. A run that ends early or\n"
+      "* meets the pole gives no table and exit status 1.\n",
+      opens_the_gap(&scene->setup.model) ? "maximum" : "minimum", 100 * vs_measures_ripple,
+      table_name);
   for (int k = 0; k < machine->dof; k++)
     vs_text_add(t, "* %s: %s\n", machine->coordinates[k].name, machine->coordinates[k].text);
 }
@@ -620,9 +621,12 @@ static void add_commands(vs_text *t, const vs_scene *scene, const column *column
     vs_text_add(t, "let %s = %s\n", columns[k].name, columns[k].value.text);
   if (one < 0) vs_text_add(t, "let vs_travel = v(vs_%s)/1000\n", vs_export_machine_node(m, false));
   add_validity(t, m, travel);
-  vs_text_add(t, "meas tran %s find %s when v(vs_%s)=0 %s=1 td=$&vs_fired\n",
-              measured[MEASURED_FIRST], travel, vs_export_machine_node(m, true),
-              opens_the_gap(m) ? "fall" : "rise");
+  vs_text_add(t,
+              "let vs_way = abs(%s)*(time ge vs_fired)\n"
+              "let vs_moves = vecmin(time+vs_until*(vs_way lt %g*vecmax(vs_way)))\n"
+              "meas tran %s find %s when v(vs_%s)=0 %s=1 td=$&vs_moves\n",
+              travel, vs_measures_ripple, measured[MEASURED_FIRST], travel,
+              vs_export_machine_node(m, true), opens_the_gap(m) ? "fall" : "rise");
   vs_text_add(t, "meas tran %s min %s\n", measured[MEASURED_LEAST], travel);
   vs_text_add(t, "let vs_size = abs(i_a)\nmeas tran %s max vs_size\n", measured[MEASURED_I]);
   if (opens_the_gap(m)) vs_text_add(t, "let vs_force = abs(force_n)\n");

@@ -447,10 +447,11 @@ static void explain_steady(vs_text *help) {
   vs_text_add(help, "With --along it reports, besides points of the branch:\n");
   for (const vs_mark_kind *const *kind = vs_mark_kinds; *kind; kind++)
     vs_text_add(help, "  %-17s    %s\n", (*kind)->name, (*kind)->text);
-  vs_text_add(help,
-              "Branches are followed on tier %s alone; a scene that would take another one "
-              "wants --tier %s.\n",
-              vs_tiers_automatic(false)->name, vs_tiers_automatic(false)->name);
+  vs_text_add(
+      help,
+      "Branches are followed on tier %s, or with the circuit on tier %s; a scene that would "
+      "take another one wants --tier.\n",
+      vs_tiers_automatic(false)->name, vs_compiled_tier.name);
 }
 
 static const vs_option STEADY_OPTIONS[] = {

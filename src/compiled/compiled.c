@@ -292,14 +292,21 @@ static void go_on_in_map(compiled *c) {
  * by what differs between runs. */
 static const double SHARP = 1e-9, SHARPEST = 1e-14;
 
-/* The part of the step at which a branch or a switch first wants to be another; 2: none does. */
-static double changes_at(compiled *c) {
+/* By more than this, A or V, equations jump with another branch. Most branches of expressions are
+ * two formulas for one curve. */
+static const double JUMPS = 1e-7;
+
+/* The part of the step at which a branch or a switch first wants to be another; 2: none does. Where
+ * the wrong one is off by no more than JUMPS up to the step's end it is 1, unless `sharply`. */
+static double changes_at(compiled *c, bool sharply) {
   double low = 0, high = 0.5;
   vs_rodas_dense(&c->r, high, c->between);
-  if (!vs_equations_choose(&c->e, c->between, true)) {
-    low = high;
+  const bool half_way = vs_equations_choose(&c->e, c->between, true);
+  if (!half_way || !(sharply || vs_equations_would_change(&c->e, c->between, JUMPS))) {
+    low = half_way ? 0 : high;
     high = 1;
-    if (!vs_equations_choose(&c->e, c->r.next, true)) return 2;
+    if (!vs_equations_choose(&c->e, c->r.next, true)) return half_way ? 1 : 2;
+    if (!sharply && !vs_equations_would_change(&c->e, c->r.next, JUMPS)) return 1;
   }
   const double sharp = vs_replay_is_on(c->job->steps) ? SHARPEST : SHARP;
   while (high - low > sharp) {
@@ -311,10 +318,7 @@ static double changes_at(compiled *c) {
 }
 
 /* Takes the branches and switches that the last state asks for. Returns whether the equations jump
- * by that: by more than JUMPS, A or V. Most branches of expressions are two formulas for one curve.
- */
-static const double JUMPS = 1e-7;
-
+ * by that. */
 static bool choose_branches(compiled *c) {
   double *before = c->r.k[0], *behind = c->r.k[1], most = 0;
   if (!vs_equations_choose(&c->e, c->r.y, true)) return false;
@@ -442,7 +446,8 @@ enum { MOST_LANDINGS = 10 };
 /* The next step's length as a part of h, whose error was off: that which would be off by FULL, and
  * longer or shorter again as the last one should have been (Gustafsson's rule: Hairer and Wanner,
  * section IV.8), by up to TREND. Errors above 1 tell nothing of a trend. */
-static const double FULL = 0.65, TREND = 2, LEAST_OFF = 1e-3, SHORTER = 1.0 / 6, LONGER = 5;
+static const double FULL = 0.65, TREND = 2, LEAST_OFF = 1e-3, SHORTER = 1.0 / 6, LONGER = 40,
+                    BEHIND_ROUNDING = 5;
 
 static double next_factor(const compiled *c, double h, double off) {
   if (!isfinite(off)) return SHORTER;
@@ -469,7 +474,7 @@ static vs_status step_again(compiled *c, double *taken, bool *jumps, vs_error *e
   if (!step) return lose_steps(c, err);
   if (!(h > 0)) return VS_OK;
   if (!vs_rodas_try(&c->r, h)) return lose_steps(c, err);
-  const double part = changes_at(c);
+  const double part = changes_at(c, true);
   *jumps = part <= 1;
   *taken = step->cut ? fmax(part * h, RESTART_S) : h;
   if (*jumps != step->jumps || (step->cut && !vs_rodas_try(&c->r, *taken)))
@@ -509,7 +514,7 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
       c->failed = true;
       continue;
     }
-    const double part = changes_at(c);
+    const double part = changes_at(c, false);
     vs_circuit_step note = {.length_s = *h, .left_s = c->left_s, .parts = 1, .jumps = part <= 1};
     *jumps = part <= 1;
     *taken = *h;
@@ -533,7 +538,7 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
       c->landings = 0;
       c->before_s = rounds ? 0 : *h;
       c->off_before = off;
-      *h *= rounds ? LONGER : c->failed ? fmin(factor, 1) : factor;
+      *h *= rounds ? BEHIND_ROUNDING : c->failed ? fmin(factor, 1) : factor;
       c->failed = false;
     }
     vs_replay_note(c->job->steps, &note);

@@ -128,6 +128,7 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
       .doubt = d->doubtful ? INFINITY : r->doubt / limit,
       .spread = r->spread / limit,
       .scatter = r->scatter / limit,
+      .most = r->most / limit,
       .stress = judged,
       .over_from_s = r->judged.known ? r->judged_from_s : NAN,
       .failed_s = r->failed_s};
@@ -468,6 +469,7 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, const vs_deck *
     while (n < second->count && !is_same_line(j, &second->item[n])) n++;
     j->margin_error = j->allowed ? 0 : INFINITY;
     if (j->allowed) continue; /* it may happen in one run alone */
+    if (n < second->count) j->most = fmax(j->most, second->item[n].most);
     double own = least_error(j, resolution, rates);
     if (n < second->count && !vs_verdict_is_happening(j))
       j->margin_error = margin_error(j, &second->item[n], own);
@@ -481,13 +483,16 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, const vs_deck *
   find_weakest(v);
 }
 
+/* A third sequence may let flow more than either of the two did: as much again. */
+static const double THIRD = 2;
+
 void vs_verdict_undecide_sequence(vs_verdict *v, const vs_device *device, double parts_s) {
   for (size_t k = 0; k < v->count; k++) {
     vs_judgement *j = &v->item[k];
     bool passed = j->margin < 0 && j->failed_s < parts_s; /* and that is for good */
     if (j->hangs != device || j->stress.at_s < parts_s || passed) continue;
-    j->torn = true;
-    j->margin_error = INFINITY;
+    j->torn = !(j->most > 0 && j->margin > THIRD * j->most);
+    j->margin_error = j->torn ? INFINITY : THIRD * j->most;
   }
   find_weakest(v);
 }

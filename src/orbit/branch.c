@@ -193,15 +193,16 @@ static vs_status say_branch(const vs_continuation *w, const vs_branch_options *o
   return status;
 }
 
-/* A branch wants the run's exact derivatives. */
+/* A branch wants the run's exact derivatives, of which ngspice tells none. */
 static vs_status refuse_tier(const vs_scene *s, vs_error *err) {
-  const char *known = vs_tiers_automatic(false)->name;
-  if (!s->tier->has_circuit && !s->tier->gap_at_rest) return VS_OK;
+  const char *ideal = vs_tiers_automatic(false)->name, *circuit = vs_compiled_tier.name;
+  const char *known = s->tier->by_ngspice ? circuit : ideal;
+  if (!s->tier->by_ngspice && !s->tier->gap_at_rest) return VS_OK;
   return vs_fail_at(
       err, vs_tree_place(s->tree.root, "run.tier"),
-      "steady --along: this is tier %s (%s), and branches are followed on tier %s alone; "
-      "write --tier %s, or run.tier: %s",
-      s->tier->name, s->why, known, known, known);
+      "steady --along: this is tier %s (%s), and branches are followed on tier %s, or with the "
+      "circuit on tier %s; write --tier %s, or run.tier: %s",
+      s->tier->name, s->why, ideal, circuit, known, known);
 }
 
 vs_status vs_branch_command(const vs_branch_options *o, vs_scene *scene, vs_error *err) {

@@ -20,10 +20,19 @@ static double offset_of(const vs_branch_points *p, const vs_branch_plane *plane,
   return offset;
 }
 
-void vs_branch_points_end(vs_branch_points *p) {
+static void forget_parameter(vs_branch_points *p) {
   if (p->by) vs_parameter_end(p->by);
   free(p->by);
   p->by = NULL;
+}
+
+static bool has_circuit(const vs_branch_points *p) {
+  return p->along->scene->tier->has_circuit;
+}
+
+void vs_branch_points_end(vs_branch_points *p) {
+  forget_parameter(p);
+  vs_circuit_flight_free(&p->circuit);
 }
 
 /* ---- units ---- */
@@ -31,16 +40,21 @@ void vs_branch_points_end(vs_branch_points *p) {
 /* The length of a way along which every state changes by all its motion. The key's own unit is its
  * range, so that a step of a 50th of it may change the motion by a 12th. */
 static const double WHOLE_MOTION = 4;
-/* A state that hardly moves counts as moving by this part of the largest of its kind. */
+/* A state that hardly moves counts as moving by this part of the largest of its kind. Those of a
+ * circuit have kinds of their own. */
 static const double UNMOVED = 1e-6;
 
 static void take_units(vs_branch_points *p, const double *size) {
   const vs_branch_parameter *along = p->along;
   double largest[3] = {0};
   int dof = along->scene->setup.model.dof;
-  for (int j = 0; j < p->count; j++) largest[j / dof] = fmax(largest[j / dof], size[j]);
   for (int j = 0; j < p->count; j++) {
-    double moves = fmax(size[j], UNMOVED * largest[j / dof]);
+    const int kind = j < 2 * dof ? j / dof : 2;
+    largest[kind] = fmax(largest[kind], size[j]);
+  }
+  for (int j = 0; j < p->count; j++) {
+    const int kind = j < 2 * dof ? j / dof : 2;
+    double moves = kind == 2 && has_circuit(p) ? size[j] : fmax(size[j], UNMOVED * largest[kind]);
     p->unit[j] = (moves > 0 ? moves : 1) * WHOLE_MOTION * sqrt(p->count);
   }
   p->unit[p->count] = fabs(along->to - along->from);
@@ -65,8 +79,23 @@ void vs_branch_points_rescale(vs_branch_points *p, vs_branch_point *at) {
 /* P(z) and what is known of it. */
 typedef struct image {
   vs_poincare_map flight;
-  double by_key[VS_ORBIT_STATES]; /* dP/dk */
+  double by_key[VS_FLIGHT_STATES]; /* dP/dk */
 } image;
+
+static void begin_flight(vs_branch_points *p, vs_poincare_map *f) {
+  vs_poincare_map_begin(f, p->along->scene);
+  const int kind = has_circuit(p) ? VS_BUDGET_CIRCUIT : VS_BUDGET_IDEAL;
+  f->budget = p->budget.most[kind] ? &p->budget : NULL;
+  f->states = p->count;
+}
+
+static vs_status go(vs_branch_points *p, vs_poincare_map *f, const double *x, bool derives,
+                    vs_error *err) {
+  p->runs++;
+  return has_circuit(p)
+             ? vs_circuit_flight_go(&p->circuit, f, x, p->periods, !derives, derives, err)
+             : vs_poincare_map_go(f, x, p->periods, derives, err);
+}
 
 static vs_status watch_turns(void *ctx, const vs_step *step, vs_error *err) {
   (void)err;
@@ -79,8 +108,8 @@ static vs_status move_to(vs_branch_points *p, double key, vs_error *err) {
   const vs_axis *axis = &p->along->axis;
   vs_error why = {0};
   vs_status status = vs_branch_parameter_move(p->along, key, err);
-  if (status || (p->by && !vs_parameter_again(p->by, &why))) return status;
-  vs_branch_points_end(p);
+  if (status || has_circuit(p) || (p->by && !vs_parameter_again(p->by, &why))) return status;
+  forget_parameter(p);
   vs_parameter *by = vs_alloc(1, sizeof *by);
   status = vs_parameter_begin(by, p->along->scene, axis->key, axis->where, 0, NULL, err);
   if (status)
@@ -96,12 +125,10 @@ static vs_status end_at(vs_branch_points *p, const double *x, double key, double
   vs_poincare_map f;
   vs_status status = vs_branch_parameter_move(p->along, key, err);
   if (status) return status;
-  vs_poincare_map_begin(&f, p->along->scene);
-  f.budget = p->budget.most[VS_BUDGET_IDEAL] ? &p->budget : NULL;
-  status = vs_poincare_map_go(&f, x, p->periods, false, err);
+  begin_flight(p, &f);
+  status = go(p, &f, x, false, err);
   memcpy(end, f.end, (size_t)p->count * sizeof *end);
   vs_poincare_map_end(&f);
-  p->runs++;
   return status;
 }
 
@@ -125,26 +152,40 @@ static vs_status differ_by_key(vs_branch_points *p, const double *z, double *by_
   return vs_branch_parameter_move(p->along, key, err);
 }
 
+/* dP/dk with a circuit: by a run along the steps of the one from the same state, and the key moved
+ * by such a part of its range. A shorter one serves where a device switches in another of the
+ * steps; instants are known to 1e-11 s. */
+static const double NUDGES[] = {1e-4, -1e-4, 1e-5, -1e-5, 1e-6, -1e-6};
+enum { N_NUDGES = sizeof NUDGES / sizeof *NUDGES };
+
+static vs_status differ_along_steps(vs_branch_points *p, const double *z, image *of,
+                                    vs_error *err) {
+  double end[MOST];
+  vs_status status = VS_RUN;
+  for (int n = 0; n < N_NUDGES && status && status != VS_BUDGET; n++) {
+    const double by = NUDGES[n] * p->unit[p->count];
+    *err = (vs_error){0};
+    status = end_at(p, z, z[p->count] + by, end, err);
+    for (int i = 0; i < p->count && !status; i++) of->by_key[i] = (end[i] - of->flight.end[i]) / by;
+  }
+  return status ? status : vs_branch_parameter_move(p->along, z[p->count], err);
+}
+
 /* Runs over a period from at->z, with all derivatives but dP/dk. */
 static vs_status fly_one_period(vs_branch_points *p, vs_branch_point *at, image *to,
                                 vs_error *err) {
   vs_orbit_extremes_begin(&at->turns, &p->along->scene->setup.model);
   const vs_observer also = {&at->turns, watch_turns};
   to->flight.also = &also;
-  vs_status status = vs_poincare_map_go(&to->flight, at->z, p->periods, true, err);
+  vs_status status = go(p, &to->flight, at->z, true, err);
   to->flight.also = NULL;
-  p->runs++;
   return status;
 }
 
-/* Makes the image of the point; vs_poincare_map_end it where it has a scene. */
-static vs_status map_point(vs_branch_points *p, vs_branch_point *at, image *to, vs_error *err) {
+static vs_status fly_with_parameter(vs_branch_points *p, vs_branch_point *at, image *to,
+                                    vs_error *err) {
   vs_error why = {0};
-  *to = (image){0};
-  vs_status status = move_to(p, at->z[p->count], err);
-  if (status) return status;
-  vs_poincare_map_begin(&to->flight, p->along->scene);
-  to->flight.budget = p->budget.most[VS_BUDGET_IDEAL] ? &p->budget : NULL;
+  vs_status status = VS_OK;
   to->flight.parameter = p->by;
   bool known = !fly_one_period(p, at, to, &why);
   if (!known) snprintf(p->kinked, sizeof p->kinked, "%.255s", why.text);
@@ -154,6 +195,21 @@ static vs_status map_point(vs_branch_points *p, vs_branch_point *at, image *to, 
   double unit = vs_units_factor(p->along->axis.unit) / p->by->size;
   for (int i = 0; i < p->count && known; i++)
     to->by_key[i] = unit * vs_variation_get(&to->flight.variation, i, p->count);
+  return status;
+}
+
+/* Makes the image of the point; vs_poincare_map_end it where it has a scene. */
+static vs_status map_point(vs_branch_points *p, vs_branch_point *at, image *to, vs_error *err) {
+  *to = (image){0};
+  vs_status status = move_to(p, at->z[p->count], err);
+  if (status) return status;
+  begin_flight(p, &to->flight);
+  if (has_circuit(p)) {
+    status = fly_one_period(p, at, to, err);
+    if (!status) status = differ_along_steps(p, at->z, to, err);
+  } else {
+    status = fly_with_parameter(p, at, to, err);
+  }
   at->period_s = p->periods * to->flight.cycle_s;
   memcpy(at->size, to->flight.size, sizeof at->size);
   return status;
@@ -174,8 +230,8 @@ static bool solve_newton_step(const vs_branch_points *p, const vs_branch_plane *
   int sign;
   for (size_t i = 0; i + 1 < n; i++) {
     for (size_t j = 0; j + 1 < n; j++)
-      matrix[i * n + j] = ((i == j) - vs_variation_get(&im->flight.variation, (int)i, (int)j)) *
-                          p->unit[j] / p->unit[i];
+      matrix[i * n + j] =
+          ((i == j) - vs_poincare_map_slope(&im->flight, (int)i, (int)j)) * p->unit[j] / p->unit[i];
     matrix[i * n + n - 1] = -im->by_key[i] * p->unit[n - 1] / p->unit[i];
     missing[i] = (im->flight.end[i] - z[i]) / p->unit[i];
   }
@@ -208,20 +264,20 @@ static void measure_room(vs_branch_point *at, const vs_model *m) {
 static vs_status conclude_point(const vs_branch_points *p, vs_branch_point *at, image *im,
                                 vs_error *err) {
   const vs_poincare_map *f = &im->flight;
-  double monodromy[VS_ORBIT_STATES][VS_ORBIT_STATES], scale[VS_ORBIT_STATES];
-  if (!f->given->setup.timeline.firing.no_valve && f->flux_wb != 0)
+  double monodromy[VS_FLIGHT_STATES * VS_FLIGHT_STATES];
+  const int seen = has_circuit(p) ? 2 * f->given->setup.model.dof : p->count;
+  if (!has_circuit(p) && !f->given->setup.timeline.firing.no_valve && f->flux_wb != 0)
     return vs_fail(err, VS_RUN,
                    "current flows where the mains rise through zero, and the orbit's state is not "
                    "the machine's alone");
   if (f->left[0])
     return vs_fail(err, VS_RUN, "the orbit leaves the law %s at t = %.9g s: %s",
                    f->given->setup.model.coil.law->name, f->left_s, f->left);
-  for (int i = 0; i < p->count; i++) {
-    scale[i] = p->unit[i];
+  for (int i = 0; i < p->count; i++)
     for (int j = 0; j < p->count; j++)
-      monodromy[i][j] = vs_variation_get(&im->flight.variation, i, j);
-  }
-  if (!vs_multipliers_find(p->count, monodromy, scale, at->multiplier))
+      monodromy[i * p->count + j] =
+          vs_poincare_map_slope(&im->flight, i, j) * p->unit[j] / p->unit[i];
+  if (!vs_multipliers_of(p->count, monodromy, at->multiplier))
     return vs_fail(err, VS_RUN, "the orbit's multipliers cannot be found");
   measure_room(at, &f->given->setup.model);
   at->unstable = 0;
@@ -231,7 +287,7 @@ static vs_status conclude_point(const vs_branch_points *p, vs_branch_point *at, 
   for (int k = 1; k < p->periods; k++) {
     double off = 0;
     if (p->periods % k) continue;
-    for (int j = 0; j < p->count; j++)
+    for (int j = 0; j < seen; j++)
       off = fmax(off, fabs(f->passed[(size_t)(k - 1) * VS_VARIATION_MOST + (size_t)j] - at->z[j]) /
                           p->unit[j]);
     at->repeats = fmin(at->repeats, off * WHOLE_MOTION * sqrt(p->count));
@@ -239,9 +295,10 @@ static vs_status conclude_point(const vs_branch_points *p, vs_branch_point *at, 
   return VS_OK;
 }
 
-/* Below this, in parts of the motion, a correction is rounding. The iteration may also end where
- * the corrections have stopped falling and are as small as the tier's own error. */
-static const double CLOSED = 1e-12, STALLED = 1e-9;
+/* Below this, in parts of the motion, a correction is rounding; or below the map's noise. The
+ * iteration may also end where the corrections have stopped falling and are as small as the tier's
+ * own error. */
+static const double CLOSED = 1e-12, STALLED = 1e-9, LARGER = 100;
 enum { MOST_ITERATIONS = 12 };
 
 /* One step of the iteration; *done: it was the last. */
@@ -257,7 +314,8 @@ static vs_status improve_point(vs_branch_points *p, const vs_branch_plane *plane
     memcpy(at->way, l.way, sizeof at->way);
     for (int j = 0; j <= p->count; j++) change = fmax(change, fabs(l.step[j]));
     at->change = change * WHOLE_MOTION * sqrt(p->count);
-    *done = at->change <= CLOSED || (at->change < STALLED && at->change > before / 4);
+    *done = at->change <= fmax(CLOSED, p->noise) ||
+            (at->change < fmax(STALLED, LARGER * p->noise) && at->change > before / 4);
     for (int j = 0; j <= p->count; j++) at->z[j] += l.step[j] * p->unit[j];
     at->iterations++;
   }
@@ -287,26 +345,51 @@ vs_status vs_branch_points_solve(vs_branch_points *p, const vs_branch_plane *pla
 
 /* ---- the beginning ---- */
 
+static vs_status seek_alone(vs_branch_points *p, vs_branch_point *first, double *size,
+                            vs_error *err) {
+  const vs_branch_parameter *along = p->along;
+  const vs_shooting how = {.periods = p->periods, .unguarded = true, .quietly = true};
+  vs_orbit orbit;
+  vs_status status = vs_shooting_seek(along->scene, &how, &orbit, err);
+  if (status) return status;
+  if (orbit.n < p->periods)
+    return vs_fail(err, VS_RUN,
+                   "--period %d: the orbit that is found at %s = %.9g%s%s repeats after %d "
+                   "already; write --period %d",
+                   p->periods, along->axis.key, along->from, *along->axis.unit ? " " : "",
+                   along->axis.unit, orbit.n, orbit.n);
+  p->count = orbit.count;
+  memcpy(first->z, orbit.x, (size_t)p->count * sizeof *first->z);
+  memcpy(size, orbit.scale, (size_t)p->count * sizeof *size);
+  return VS_OK;
+}
+
+/* As the search for an orbit with a circuit does, the iteration ends at this part of run.tolerance
+ * (picard.c). */
+static const double NOISE = 0.01;
+
+static vs_status seek_with_circuit(vs_branch_points *p, vs_branch_point *first, double *size,
+                                   vs_error *err) {
+  vs_circuit_flight *c = &p->circuit;
+  vs_status status = vs_circuit_flight_seek(c, p->along->scene, p->periods, err);
+  p->noise = NOISE * p->along->scene->setup.run.tolerance;
+  p->count = c->states;
+  memcpy(first->z, c->x, (size_t)p->count * sizeof *first->z);
+  memcpy(size, c->size, (size_t)p->count * sizeof *size);
+  return status;
+}
+
 vs_status vs_branch_points_begin(vs_branch_points *p, vs_branch_parameter *along, int periods,
                                  vs_branch_point *first, vs_error *err) {
-  const vs_shooting how = {.periods = periods, .unguarded = true, .quietly = true};
-  vs_orbit orbit;
-  double normal[MOST] = {0};
-  vs_status status = vs_shooting_seek(along->scene, &how, &orbit, err);
-  if (!status && orbit.n < periods)
-    status = vs_fail(err, VS_RUN,
-                     "--period %d: the orbit that is found at %s = %.9g%s%s repeats after %d "
-                     "already; write --period %d",
-                     periods, along->axis.key, along->from, *along->axis.unit ? " " : "",
-                     along->axis.unit, orbit.n, orbit.n);
-  if (status) return status;
-  *p = (vs_branch_points){.along = along, .periods = periods, .count = orbit.count};
+  double normal[MOST] = {0}, origin[MOST], size[VS_FLIGHT_STATES];
+  *p = (vs_branch_points){.along = along, .periods = periods};
   *first = (vs_branch_point){0};
-  take_units(p, orbit.scale);
-  memcpy(first->z, orbit.x, (size_t)orbit.count * sizeof *first->z);
+  vs_status status =
+      has_circuit(p) ? seek_with_circuit(p, first, size, err) : seek_alone(p, first, size, err);
+  if (status) return status;
+  take_units(p, size);
   first->z[p->count] = along->from;
   normal[p->count] = along->to > along->from ? 1 : -1;
-  double origin[MOST];
   memcpy(origin, first->z, sizeof origin);
   const vs_branch_plane here = {normal, origin, 0};
   return vs_branch_points_solve(p, &here, first, err);

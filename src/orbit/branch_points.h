@@ -7,29 +7,32 @@
  * where P is the run over one period and the second equation is a plane: the one across the branch
  * s further on, or that of one value of k. Newton's iteration solves both together by the matrix
  * (I - dP/dx, -dP/dk; n), which is regular at a fold, too, where I - dP/dx alone is not. dP/dx is
- * the monodromy matrix; it and dP/dk come with the run (orbit/variation.h). */
+ * the monodromy matrix; it and dP/dk come with the run (orbit/variation.h). With a circuit x is the
+ * state of machine and circuit (circuit_flight.h), and dP/dk is a difference of runs along the same
+ * steps. */
 #pragma once
 
+#include "circuit_flight.h"
 #include "orbit/branch_parameter.h"
 #include "orbit/shooting.h"
 #include "orbit_extremes.h"
 
 /* The numbers of z at most: the states, and the key behind the last of them. */
-enum { VS_BRANCH_POINT_NUMBERS = VS_ORBIT_STATES + 1 };
+enum { VS_BRANCH_POINT_NUMBERS = VS_FLIGHT_STATES + 1 };
 
 /* One orbit of the branch. */
 typedef struct vs_branch_point {
   double z[VS_BRANCH_POINT_NUMBERS];   /* the states, SI, then the key in its axis' unit */
   double way[VS_BRANCH_POINT_NUMBERS]; /* the branch's direction, of length 1 in parts of the path's
                                           units */
-  double size[VS_ORBIT_STATES];        /* the largest magnitude of each state over the period */
+  double size[VS_FLIGHT_STATES];       /* the largest magnitude of each state over the period */
   double period_s;
   double change; /* Newton's last correction, in parts of the motion */
   int iterations;
   double repeats; /* how far the state is from its own after fewer periods than asked, in parts of
                      the motion: the nearest; INFINITY: one period was asked for */
-  vs_multiplier multiplier[VS_ORBIT_STATES]; /* the largest first */
-  int unstable;                              /* how many lie on the unit circle or beyond */
+  vs_multiplier multiplier[VS_FLIGHT_STATES]; /* the largest first */
+  int unstable;                               /* how many lie on the unit circle or beyond */
   vs_orbit_extremes turns;
   double pole_m; /* how far the least travel is from the pole cover, where no stop is before it, m;
                     NaN: that is no bound of this machine */
@@ -39,6 +42,9 @@ typedef struct vs_branch_point {
 typedef struct vs_branch_points {
   vs_branch_parameter *along; /* borrowed */
   vs_parameter *by;           /* the key as a parameter of the run; owned; NULL: not yet */
+  vs_circuit_flight circuit;  /* on a tier with a circuit; owned */
+  double noise;               /* to which P is known as a function of z, in parts of the motion: as
+                                 runs choose their own steps; 0: to rounding */
   int periods;                /* n: P is the run over as many firing periods */
   int count;                  /* of the states; z[count] is the key */
   double unit[VS_BRANCH_POINT_NUMBERS]; /* what counts as 1 along each number of z */

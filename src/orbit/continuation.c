@@ -187,7 +187,7 @@ static const double SHORTEST = 1e-8, TURNS = 0.94, EASES = 0.995;
 enum { FEW = 4, MOST_ROWS = 20000 };
 /* Its runs take so many cycles of the mains at most for each in the period, which is a minute or
  * two for a period of one; then the walk is stuck. */
-enum { MOST_CYCLES = 100000 };
+enum { MOST_CYCLES = 100000, MOST_WITH_CIRCUIT = 20000 };
 
 static double turn_of_branch(const vs_branch_points *p, const vs_branch_point *a,
                              const vs_branch_point *b) {
@@ -317,18 +317,20 @@ static bool walk_on(vs_continuation *w, vs_branch_point *a, double *length) {
  * be missing. */
 static void look_at_budget(vs_continuation *w) {
   const vs_budget *b = &w->path.budget;
-  if (b->of && b->of->out[VS_BUDGET_IDEAL]) b = b->of;
-  if (!b->out[VS_BUDGET_IDEAL] || w->end == VS_CONTINUATION_STOPPED) return;
+  const int kind = w->along->scene->tier->has_circuit ? VS_BUDGET_CIRCUIT : VS_BUDGET_IDEAL;
+  if (b->of && b->of->out[kind]) b = b->of;
+  if (!b->out[kind] || w->end == VS_CONTINUATION_STOPPED) return;
   w->end = VS_CONTINUATION_SPENT;
   snprintf(w->why, sizeof w->why,
            "the search's budget of %ld cycles of the mains is spent, after %zu points",
-           b->most[VS_BUDGET_IDEAL], w->count - w->marks);
+           b->most[kind], w->count - w->marks);
 }
 
 vs_status vs_continuation_go(vs_continuation *w, vs_branch_parameter *along, int periods,
                              const volatile sig_atomic_t *stop, vs_error *err) {
   vs_branch_point a;
   *w = (vs_continuation){.along = along};
+  along->scene->order.stop = stop;
   const bool shows = along->scene->order.shows;
   vs_status status = vs_branch_points_begin(&w->path, along, periods, &a, err);
   if (status) return status;
@@ -337,7 +339,7 @@ vs_status vs_continuation_go(vs_continuation *w, vs_branch_parameter *along, int
   vs_budget *budget = &w->path.budget;
   *budget = (vs_budget){.what = "branch",
                         .of = along->scene->order.budget,
-                        .most = {MOST_CYCLES * cycles, 1},
+                        .most = {MOST_CYCLES * cycles, MOST_WITH_CIRCUIT * cycles},
                         .shows = shows};
   add_point_of_walk(w, &a);
   vs_branch_points_rescale(&w->path, &a);
@@ -355,6 +357,7 @@ vs_status vs_continuation_go(vs_continuation *w, vs_branch_parameter *along, int
     w->end = VS_CONTINUATION_SPENT;
     break;
   }
+  if (stop && *stop && w->end == VS_CONTINUATION_STUCK) w->end = VS_CONTINUATION_STOPPED;
   look_at_budget(w);
   vs_budget_end(budget);
   return VS_OK;

@@ -154,7 +154,8 @@ typedef struct end {
 } end;
 
 /* Relative to the key: how near the ends of the search shall come, a tenth of what is promised. A
- * key below this part of its range counts as that much. */
+ * key below this part of its range counts as that much. Where runs choose their own steps they come
+ * no nearer than twice the noise of that. */
 static const double CLOSE = 1e-10, NEAR_ZERO = 1e-2;
 
 /* By how much the key may differ between the ends: the search's own error. */
@@ -233,7 +234,8 @@ bool vs_mark_locate(vs_branch_points *p, const vs_marks_span *span, vs_mark *mar
   end lo = {0, mark->kind->value(span, span->a, mark->which), *span->a};
   end hi = {c.length, mark->kind->value(span, span->b, mark->which), *span->b};
   const double first = hi.s, key = fabs(span->a->z[p->count]),
-               close = CLOSE * fmax(key, NEAR_ZERO * p->unit[p->count]);
+               close = fmax(CLOSE * fmax(key, NEAR_ZERO * p->unit[p->count]),
+                            2 * p->noise * p->unit[p->count]);
   for (int n = 0; n < MOST_TRIES && width_in_key(p, &lo, &hi) > close; n++) {
     end mid = {0};
     /* halving alone would have come down to first/2^n */

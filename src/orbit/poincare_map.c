@@ -40,7 +40,8 @@ void vs_poincare_map_begin(vs_poincare_map *f, const vs_scene *scene) {
 static void forget_flight(vs_poincare_map *f) {
   if (f->derives) vs_variation_end(&f->variation);
   free(f->passed);
-  f->passed = NULL;
+  free(f->slope);
+  f->passed = f->slope = NULL;
   f->derives = false;
 }
 
@@ -99,26 +100,30 @@ static void look_for_law(vs_poincare_map *f, const vs_knot *k) {
   f->left_s = k->t_s;
 }
 
-static vs_status accept_step_of_flight(void *ctx, const vs_step *step, const vs_result *result,
-                                       vs_error *err) {
-  vs_poincare_map *f = ctx;
+vs_status vs_poincare_map_see(vs_poincare_map *f, const vs_step *step, vs_error *err) {
   const vs_model *m = step->frame->model;
   double from = step->from->t_s, to = step->to->t_s, x[VS_VARIATION_MOST];
-  (void)result;
   take_state(m, step->to, x);
-  for (int j = 0; j < f->states; j++) {
+  const int seen = f->given->tier->has_circuit ? 2 * m->dof : f->states;
+  for (int j = 0; j < seen; j++) {
     if (!isfinite(x[j]))
       return vs_fail(err, VS_RUN, "t = %.9g s: the state is not a number any more", to);
     f->size[j] = fmax(f->size[j], fabs(x[j]));
   }
-  memcpy(f->end, x, (size_t)f->states * sizeof *x);
+  memcpy(f->end, x, (size_t)seen * sizeof *x);
   f->flux_wb = step->open ? 0 : step->to->flux_wb;
   look_deep(f, step);
   look_for_law(f, step->to);
-  for (double k = floor(from / f->cycle_s) + 1; f->passed && k * f->cycle_s <= to; k++)
+  for (double k = floor(from / f->cycle_s) + 1; f->derives && k * f->cycle_s <= to; k++)
     take_at(step, k * f->cycle_s, f->passed + (size_t)(k - 1) * VS_VARIATION_MOST);
   vs_status status = f->derives ? vs_variation_accept(&f->variation, step, err) : VS_OK;
   return status || !f->also ? status : f->also->accept(f->also->ctx, step, err);
+}
+
+static vs_status accept_step_of_flight(void *ctx, const vs_step *step, const vs_result *result,
+                                       vs_error *err) {
+  (void)result;
+  return vs_poincare_map_see(ctx, step, err);
 }
 
 /* ---- the run ---- */
@@ -145,12 +150,23 @@ static void begin_variation(vs_poincare_map *f, const vs_run_values *run, const 
   vs_variation_add(&f->variation, f->parameter, unmoved);
 }
 
+vs_status vs_poincare_map_anew(vs_poincare_map *f, int periods, vs_error *err) {
+  forget_flight(f);
+  memset(f->size, 0, sizeof f->size);
+  f->deepest_m = INFINITY;
+  f->beyond_s = NAN;
+  f->left[0] = 0;
+  return vs_budget_take(f->budget, f->given->tier->has_circuit,
+                        lround(periods * f->cycle_s / f->given->setup.timeline.period_s), err);
+}
+
+double vs_poincare_map_slope(vs_poincare_map *f, int i, int j) {
+  return f->slope ? f->slope[i * f->states + j] : vs_variation_get(&f->variation, i, j);
+}
+
 vs_status vs_poincare_map_go(vs_poincare_map *f, const double *x, int periods, bool derives,
                              vs_error *err) {
-  forget_flight(f);
-  vs_status within =
-      vs_budget_take(f->budget, f->given->tier->has_circuit,
-                     lround(periods * f->cycle_s / f->given->setup.timeline.period_s), err);
+  vs_status within = vs_poincare_map_anew(f, periods, err);
   if (within) return within;
   const vs_session_listener guest = {.ctx = f, .accept = accept_step_of_flight};
   const vs_session session = {.guest = &guest, .bare = true, .unguarded = true};
@@ -160,10 +176,6 @@ vs_status vs_poincare_map_go(vs_poincare_map *f, const double *x, int periods, b
   *f->scene = *f->given;
   f->scene->setup = vs_poincare_map_setup(f->given, &run, x);
   f->scene->frame = vs_sim_frame(f->given->tier, &f->scene->setup);
-  memset(f->size, 0, sizeof f->size);
-  f->deepest_m = INFINITY;
-  f->beyond_s = NAN;
-  f->left[0] = 0;
   f->derives = derives;
   f->passed = derives ? vs_alloc((size_t)periods, sizeof *f->passed * VS_VARIATION_MOST) : NULL;
   if (derives) begin_variation(f, &run, x);

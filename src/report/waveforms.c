@@ -67,6 +67,20 @@ static size_t first_drawn(const vs_traces *t) {
   return t->rows - (size_t)fmax(rows, 1);
 }
 
+/* Of a run that is not drawn whole: begins before its first event, where that would not be shown.
+ */
+static void begin_at_event(vs_time_window *s) {
+  const vs_traces *t = &s->run[0].traces;
+  const double event_s = vs_time_window_first_event(&s->run[0].moments);
+  if (s->runs > 1 || !is_long(t) || !(event_s < s->from_s)) return;
+  const size_t rows = t->rows - first_drawn(t);
+  size_t from = 0;
+  while (from < t->rows && vs_trace_time(t, from) < event_s) from++;
+  from = from > rows / 10 ? from - rows / 10 : 0;
+  s->from_s = vs_trace_time(t, from);
+  s->to_s = vs_trace_time(t, from + rows - 1);
+}
+
 static vs_status open_run(vs_time_window_run *run, const char *folder, vs_error *err) {
   run->folder = folder;
   vs_status status = vs_traces_read(folder, &run->traces, err);
@@ -88,6 +102,7 @@ vs_status vs_waveforms_open(vs_time_window *s, const char *const *folders, size_
     s->to_s = fmax(s->to_s, vs_trace_time(t, t->rows - 1));
   }
   s->from_s = fmax(from, late);
+  if (!status) begin_at_event(s);
   return status ? status : choose_waves(s, err);
 }
 

@@ -577,7 +577,7 @@ void vs_show_brief(const vs_result *r, const vs_show_options *options, const vs_
     free(behind);
   }
   if (judged) {
-    vs_verdict_table_word(&r->verdict, out);
+    vs_verdict_table_word(r, out);
     fputs(front, out);
     vs_verdict_table_tightest(&r->verdict, room < LEAST_LINES ? LEAST_LINES : room, out);
   } else if (!more->show)

@@ -196,8 +196,21 @@ static void print_first_to_fail(const vs_judgement *j, FILE *out) {
           vs_engineering_text(j->failed_s, "s", at));
 }
 
-/* The word of the whole: that of its worst line. It is coloured where people look. */
-void vs_verdict_table_word(const vs_verdict *v, FILE *out) {
+static vs_finding word_of_breach(vs_finding word, double margin) {
+  return margin < 0 && word == VS_UNVERIFIED ? VS_VIOLATED : word;
+}
+
+/* The word of the corners where it is worse than that of the nominal values. One that failed is not
+ * judged. */
+static vs_finding word_of_corners(const vs_corners *c, vs_finding nominal) {
+  if (!c || nominal == VS_VIOLATED) return nominal;
+  const vs_corner *worst = c->worst < c->count ? &c->item[c->worst] : NULL;
+  vs_finding word = worst && worst->breaks ? word_of_breach(worst->word, worst->margin) : nominal;
+  return c->failed && word != VS_VIOLATED ? VS_UNDECIDED : word;
+}
+
+void vs_verdict_table_word(const vs_result *r, FILE *out) {
+  const vs_verdict *v = &r->verdict;
   static const char *const COLOURS[VS_WORDS] = {[VS_HELD] = "32",
                                                 [VS_VIOLATED] = "31",
                                                 [VS_UNDECIDED] = "33",
@@ -209,17 +222,20 @@ void vs_verdict_table_word(const vs_verdict *v, FILE *out) {
     vs_finding own = vs_verdict_word(&v->item[k]);
     if (own == VS_UNVERIFIED || (own == VS_HELD && word == VS_WAIVED)) word = own;
   }
-  if (breach)
-    word = breach->margin < 0 && vs_verdict_word(breach) == VS_UNVERIFIED ? VS_VIOLATED
-                                                                          : vs_verdict_word(breach);
+  if (breach) word = word_of_breach(vs_verdict_word(breach), breach->margin);
+  const vs_finding nominal = word;
+  word = word_of_corners(r->corners, nominal);
   const char *terminal = getenv("TERM");
   bool coloured = out == stdout && isatty(STDOUT_FILENO) && !getenv("NO_COLOR") &&
                   !(terminal && !strcmp(terminal, "dumb")); /* it would show the codes */
   fflush(out);
   if (coloured)
-    dprintf(STDOUT_FILENO, "verdict: \033[1;%sm%s\033[0m\n", COLOURS[word], vs_verdict_words[word]);
+    dprintf(STDOUT_FILENO, "verdict: \033[1;%sm%s\033[0m", COLOURS[word], vs_verdict_words[word]);
   else
-    fprintf(out, "verdict: %s\n", vs_verdict_words[word]);
+    fprintf(out, "verdict: %s", vs_verdict_words[word]);
+  if (word != nominal)
+    fprintf(out, " at a corner, %s at nominal values", vs_verdict_words[nominal]);
+  fputc('\n', out);
 }
 
 static int width_of_names(const vs_verdict *v) {
@@ -346,7 +362,7 @@ void vs_verdict_table_whole(const vs_result *r, FILE *out) {
     print_not_judged(r, out);
     return;
   }
-  vs_verdict_table_word(v, out);
+  vs_verdict_table_word(r, out);
   for (size_t k = 0; k < v->count; k++)
     if (vs_verdict_is_happening(&v->item[k])) print_happening(&v->item[k], out);
   if (v->weakest && !vs_verdict_is_happening(v->weakest)) print_weakest(v->weakest, out);

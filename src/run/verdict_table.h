@@ -12,8 +12,9 @@ void vs_verdict_table_whole(const vs_result *result, FILE *out);
 
 /* ---- its parts, for a table in short ---- */
 
-/* The word of the whole. It is coloured where people look. */
-void vs_verdict_table_word(const vs_verdict *verdict, FILE *out);
+/* The word of the whole, that of the worst corner where corners were run. It is coloured where
+ * people look. */
+void vs_verdict_table_word(const vs_result *result, FILE *out);
 /* What happened, the weakest line, the first to fail, what is undecided, and the worst corner. */
 void vs_verdict_table_head(const vs_result *result, FILE *out);
 /* The weakest lines and the tightest one of each other device, as far as `room` lines go. */

@@ -44,6 +44,21 @@ static void power_law(void) {
   }
 }
 
+/* A Zener diode has the sheet's slopes Z_ZT at I_ZT and Z_ZK at I_ZK; integrated as c/i + r they
+ * say what it clamps to at 50 times I_ZT: not Z_ZT times that current. 2e-3: 100 Mohm lie across
+ * it, which take 0.12 % of I_ZK. */
+static void zener(void) {
+  const double z[] = {40, 1000}, i[] = {8.5e-3, 0.25e-3};
+  const double c = (z[1] - z[0]) / (1 / i[1] - 1 / i[0]), r = z[0] - c / i[0], most_a = 0.45;
+  for (int k = 0; k < 2; k++) {
+    double up = voltage_at("1N4751", "", 1.01 * i[k], 1e-4);
+    CLOSE((up - voltage_at("1N4751", "", 0.99 * i[k], 1e-4)) / (0.02 * i[k]), z[k], 2e-3);
+  }
+  CLOSE(voltage_at("1N4751", "", i[0], 1e-4), 30, 1e-4);
+  CLOSE(voltage_at("1N4751", "", most_a, 1e-4), 30 + c * log(most_a / i[0]) + r * (most_a - i[0]),
+        1e-4);
+}
+
 typedef struct disc {
   const char *part;
   double b[4], c_f;
@@ -594,6 +609,7 @@ static void half_waves_pull_the_core_aside(void) {
 
 static const vs_test TESTS[] = {
     {"varistor: power law", power_law},
+    {"Zener diode: its two slopes", zener},
     {"varistor: inverted polynomial", inverted_polynomial},
     {"varistor: linear below 100 nA", linear_below},
     {"varistor: acceptance", acceptance},

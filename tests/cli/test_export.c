@@ -442,6 +442,21 @@ static void a_source_may_be_called_vs(void) {
   CU_ASSERT_EQUAL(export((const char *const[]){"circuit.deck=d.cir", NULL}, &err), VS_OK);
 }
 
+/* A relay's armature first settles on its stop by 0.1 um: its first peak is the stroke's end, in
+ * ngspice as in a run. */
+static void a_ripple_is_no_peak(void) {
+  const char *sets[] = {"run.until=12 ms", "run.verify=never", NULL};
+  vs_error err = {0};
+  remove("x.cir");
+  CU_ASSERT_FALSE(
+      vs_export_command("relay", (char *const *)(size_t)sets, count_sets(sets), "x.cir", &err));
+  CU_ASSERT_FALSE(run_ngspice());
+  vs_trial *t = vs_trial_run("relay", "circuit", sets, NULL);
+  CLOSE(measured("s_first_peak_m"), t->result.values[VS_M_GAP_FIRST].value, 1e-3);
+  CU_ASSERT_TRUE(measured("s_first_peak_m") < -1e-3);
+  vs_trial_free(t);
+}
+
 static const vs_test TESTS[] = {
     {"stands alone", stands_alone},
     {"names of files", names_of_files_are_tamed},
@@ -462,6 +477,7 @@ static const vs_test TESTS[] = {
     {"a negative current", the_largest_current_is_negative},
     {"two gates", gates_follow_the_timeline},
     {"pulses before the run", pulses_before_the_run},
+    {"a ripple is no peak", a_ripple_is_no_peak},
 };
 enum { WITHOUT_NGSPICE = 4 };
 

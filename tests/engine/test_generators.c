@@ -499,8 +499,9 @@ static void a_table_of_pulses(void) {
   EXPECT(strstr(r.err,
                 "events.s.times: 10 pulses; w states no derating over number (pulse), so its "
                 "limits for one pulse were used") &&
-             strstr(r.out, "so its limits for one pulse were used"),
-         "%s", r.err);
+             strstr(r.out, "so its limits for one pulse were used") &&
+             strstr(r.out, "\"not_judged\": [\"w.i_pulse\""),
+         "%s %s", r.err, r.out);
   free_ran(&r);
   r = run("run s.yaml --json");
   EXPECT(!strstr(r.err, "derating"), "%s", r.err);

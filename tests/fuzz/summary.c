@@ -62,7 +62,7 @@ static void take(const char *text, size_t size) {
   vs_tree_free(&summary);
   fuzz_judge(vs_time_window_read_moments(fuzz_folder(), &moments, &err), &err);
   vs_time_window_free_moments(&moments);
-  free(vs_sheets_new(fuzz_folder(), "t_s,p_m,v_ak_v"));
+  free(vs_sheets_new(fuzz_folder(), "t_s,p_m,v_ak_v", 1));
   for (int json = 0; json < 2; json++) {
     const vs_compare_options o = {fuzz_folder(), fuzz_folder(), json, vs_methods_all};
     fuzz_judge(vs_compare_tell(&o, &told, &err), &err);

@@ -93,6 +93,15 @@ static void fuse_opens(void) {
     SAYS(r.out, "(melted after int i^2 dt of ");
     free_ran(&r);
   }
+  /* what an event opens did not melt, at its element or at the source that shows its current */
+  static const char *const ELEMENT[] = {"Xf2", "Vf1"}, *const FUSE[] = {"fuse_2", "fuse_1"};
+  for (size_t k = 0; k < COUNT(ELEMENT); k++) {
+    ran r = run("run short.yaml --all --set 'events={o: {kind: open, element: %s, at: 5 ms}}'",
+                ELEMENT[k]);
+    SAYS_NOT(r.out, " opens at ");
+    EXPECT(strstr(r.out, FUSE[k]) && strstr(r.out, ".v_open (an event opens it)"), "%s", r.out);
+    free_ran(&r);
+  }
 }
 
 /* Ideal elements rate nothing, so that there is no verdict; a misfire makes one. */

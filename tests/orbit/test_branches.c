@@ -9,6 +9,7 @@
 
 #include "orbit/branch_output.h"
 #include "orbit/continuation.h"
+#include "orbit/measured.h"
 #include "orbit/poincare_map.h"
 #include "program.h"
 
@@ -25,15 +26,20 @@ typedef struct tour {
   vs_continuation walk;
 } tour;
 
-static tour *go(const char *const *sets, const vs_branch_parameter_words *words, int periods) {
+static tour *go_on(const char *tier, const char *const *sets,
+                   const vs_branch_parameter_words *words, int periods) {
   tour *t = vs_alloc(1, sizeof *t);
-  t->trial = vs_trial_read("paper", "switched", sets);
+  t->trial = vs_trial_read("paper", tier, sets);
   vs_error *err = &t->trial->err;
   vs_status status = t->trial->status;
   if (!status) status = vs_branch_parameter_read(&t->along, &t->trial->scene, words, err);
   if (!status) status = vs_continuation_go(&t->walk, &t->along, periods, NULL, err);
   EXPECT(!status, "%s: %s", words->range, err->text);
   return t;
+}
+
+static tour *go(const char *const *sets, const vs_branch_parameter_words *words, int periods) {
+  return go_on("switched", sets, words, periods);
 }
 
 static void done(tour *t) {
@@ -335,6 +341,116 @@ static void a_signal_ends_a_walk(void) {
   done(t);
 }
 
+/* ---- with a circuit ---- */
+
+/* The orbit at the row's value of the key, as `steady` finds it on tier compiled: each of the two
+ * is known to run.tolerance. */
+static void is_as_steady_has_it(tour *t, const vs_continuation_row *row, double tolerance) {
+  const vs_session session = {.stop = NULL};
+  vs_measured m = {.period = false};
+  vs_measured_value least = {.unit = ""};
+  vs_error err = {0};
+  vs_scene *own = vs_alloc(1, sizeof *own);
+  vs_status status =
+      vs_branch_parameter_move(&t->along, row ? row->at.z[t->walk.path.count] : NAN, &err);
+  *own = *t->along.scene;
+  if (!status) status = vs_measured_run(&m, own, 1, &session, &err);
+  EXPECT(row && !status && vs_measured_at(&m, vs_measured_find(&m, "p_min"), &least), "%s",
+         err.text);
+  if (row && !status) {
+    const vs_multiplier *a = row->at.multiplier, *b = m.steady.orbit.multiplier;
+    CLOSE(row->at.turns.least.best.value, least.value.value, tolerance);
+    for (int k = 0; k < 2; k++)
+      CLOSE_OF(hypot(a[k].re, a[k].im), hypot(b[k].re, b[k].im), 1, tolerance);
+  }
+  vs_measured_free(&m);
+  free(own);
+}
+
+/* The row's multipliers by central differences of periods along one run's steps, without the
+ * monodromy matrix; returns how many of them are within `near` of 1. Each state is moved by 1e-5 of
+ * its size, so that their error is some 1e-9; the row's are of the run before the last correction,
+ * of 1e-7 of the motion. */
+static int multipliers_by_differences(tour *t, const vs_continuation_row *row, double near) {
+  enum { N = VS_FLIGHT_STATES };
+  const int n = t->walk.path.count;
+  double x[N], end[2][N], matrix[N * N];
+  vs_multiplier of[N];
+  vs_error err = {0};
+  vs_poincare_map f;
+  int count = 0;
+  vs_status status = vs_branch_parameter_move(&t->along, row->at.z[n], &err);
+  vs_poincare_map_begin(&f, t->along.scene);
+  f.states = n;
+  for (int j = -1; j < n && !status; j++)
+    for (int side = 0; side < (j < 0 ? 1 : 2) && !status; side++) {
+      const double push = j < 0 ? 0 : 1e-5 * row->at.size[j];
+      memcpy(x, row->at.z, sizeof x);
+      if (j >= 0) x[j] += side ? -push : push;
+      status = vs_circuit_flight_go(&t->walk.path.circuit, &f, x, 1, j >= 0, false, &err);
+      memcpy(end[side], f.end, sizeof f.end);
+      for (int i = 0; i < n && side; i++)
+        matrix[i * n + j] =
+            (end[0][i] - end[1][i]) / (2 * push) * row->at.size[j] / row->at.size[i];
+    }
+  vs_poincare_map_end(&f);
+  EXPECT(!status && vs_multipliers_of(n, matrix, of), "%s", err.text);
+  for (int k = 0; k < n && !status; k++) {
+    const vs_multiplier *m = &row->at.multiplier[k];
+    EXPECT(hypot(m->re - of[k].re, m->im - of[k].im) < 1e-5, "%d: %.9g %.9g, not %.9g %.9g", k,
+           m->re, m->im, of[k].re, of[k].im);
+    count += hypot(of[k].re - 1, of[k].im) < near;
+  }
+  return count;
+}
+
+/* A branch over a resistor of the deck, and one over a key of the scene, with the snubbers there.
+ */
+static void with_snubbers(void) {
+  static const char *const SETS[] = {"circuit.deck=halfwave_snubbed", "firing.every=1",
+                                     "firing.angle=110deg", "run.tolerance=1e-5", NULL};
+  const vs_branch_parameter_words words[] = {{"circuit.r1=50ohm..200ohm", "75ohm", NULL},
+                                             {"firing.angle=110deg..107deg", "1.5deg", NULL}};
+  for (size_t k = 0; k < COUNT(words); k++) {
+    tour *t = go_on("compiled", SETS, &words[k], 1);
+    EXPECT(t->walk.end == VS_CONTINUATION_REACHED && t->walk.path.count > 8, "%d", t->walk.end);
+    is_as_steady_has_it(t, &t->walk.row[t->walk.count / 2], 1e-5);
+    is_as_steady_has_it(t, &t->walk.row[t->walk.count - 1], 1e-5);
+    if (!k) multipliers_by_differences(t, &t->walk.row[t->walk.count / 2], 0);
+    done(t);
+  }
+}
+
+/* A capacitor in series with the coil: as the armature is drawn nearer, the two come to resonate,
+ * and the branch over the capacitance turns back twice. No tier without a circuit has that. On a
+ * fold a multiplier is 1; it goes with the root of the key's distance, which is known to 1e-7. */
+static void folds_over_a_capacitance(void) {
+  static const char *const SETS[] = {"circuit.deck=series.cir", "supply.voltage=90V",
+                                     "run.tolerance=1e-5", "firing.every=1", NULL};
+  const vs_branch_parameter_words words = {"circuit.c1=4.4uF..5uF", "0.1uF", "4.8uF"};
+  write_file("series.cir", "*$ title series capacitor\n"
+                           "*$ param c1 = 5 uF 1e-6..1e6\n"
+                           "*$ port mains = Vmains\n"
+                           "*$ line a\n"
+                           "Vmains a 0 external\n"
+                           "R1 a b 1\n"
+                           "C1 b c {c1} ic=0\n"
+                           "Xeva c 0 eva\n");
+  tour *t = go_on("compiled", SETS, &words, 1);
+  EXPECT(t->walk.end == VS_CONTINUATION_REACHED && marks(t, "fold") == 2 && marks(t, "at") == 3,
+         "%d %d %d: %s", t->walk.end, marks(t, "fold"), marks(t, "at"), t->walk.why);
+  is_as_steady_has_it(t, mark(t, "at", 0), 1e-5);
+  for (int k = 0; k < 2; k++) {
+    const vs_continuation_row *fold = mark(t, "fold", k);
+    if (!fold) continue;
+    const double key = fold->at.z[t->walk.path.count], side = k ? 1 : -1;
+    for (int to = -1; to <= 1; to += 2)
+      EXPECT((neighbour(fold, to)->at.z[t->walk.path.count] - key) * side > 0, "%d: %g", k, key);
+    EXPECT(multipliers_by_differences(t, fold, 1e-2) == 1, "%d: %g", k, key);
+  }
+  done(t);
+}
+
 /* ---- the program ---- */
 
 static void files_and_tables(void) {
@@ -377,7 +493,8 @@ static void what_is_refused(void) {
       {"--along firing.angle=90deg..80deg --at 100deg", {"--at 100deg", "in the range"}},
       {"--along firing.angle=90deg..80deg --period 2", {"repeats after 1", "--period 1"}},
       {"--along firing.angle=90deg..80deg --set firing.every=once", {"not 'once'", NULL}},
-      {"--along firing.angle=90deg..80deg --tier circuit", {"--tier switched", NULL}},
+      {"--along firing.angle=90deg..80deg --tier circuit", {"run.tier: compiled", NULL}},
+      {"--along firing.angle=90deg..80deg --tier analytic", {"run.tier: switched", NULL}},
       {"--step 1deg", {"--step: it goes with --along", NULL}},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -476,6 +593,8 @@ static const vs_test TESTS[] = {
     {"a branch of twice the period ends at a flip", a_branch_of_twice_the_period_ends_at_a_flip},
     {"a walk ends where orbits end", a_walk_ends_where_orbits_end},
     {"before a singular mass", before_a_singular_mass},
+    {"with snubbers", with_snubbers},
+    {"folds over a capacitance", folds_over_a_capacitance},
     {"a budget is kept", a_budget_is_kept},
     {"a signal ends a walk", a_signal_ends_a_walk},
     {"files and tables", files_and_tables},

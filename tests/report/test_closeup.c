@@ -253,6 +253,10 @@ static void drawn(void) {
              count_words(svg, ">p / mm<") == 1 && count_words(svg, ">thyristor fires<") == 3,
          "%d, %d", count_words(svg, ">dip begins (sag)<"), count_words(svg, ">thyristor fires<"));
   free(svg);
+  RUN_GOOD("plot dip -o late.svg --quiet");
+  svg = read_file("late.svg");
+  EXPECT(count_words(svg, "converter, from 190 ms on") == 1, "an event is not shown");
+  free(svg);
   RUN_GOOD("plot dip --probe i --fft --quiet");
   RUN_GOOD("plot dip --orbit -o orbit.svg --quiet");
   EXPECT_FILES("dip",

@@ -304,18 +304,21 @@ static void named_cases(void) {
   remove_tree("s");
   CU_ASSERT_EQUAL(mkdir("s", 0777), 0);
   write_file("s/study.csv",
-             "case,id,circuit.across_coil,release_s,peak_v,margin_least,weakest,status\n"
-             "0,a0,freewheel,0.02,13,0.9,peak,0\n1,a1,S05K130,0.003,120,-2.2,peak,3\n"
-             "2,a2,SMBJ24CA,0.006,36,0.5,peak,0\n");
+             "case,id,circuit.across_coil,stroke_m,release_s,peak_v,margin_least,weakest,status\n"
+             "0,a0,freewheel,0.001,0.02,13,0.9,peak,0\n"
+             "1,a1,S05K130,0.001000000001,0.003,120,-2.2,peak,3\n"
+             "2,a2,SMBJ24CA,0.001,0.006,36,0.5,peak,0\n");
   write_file(
       "s/manifest.json",
       "{\"study\": \"s.yaml\", \"method\": \"list\", \"cases\": 3, \"done\": 3, \"failed\": 0, "
       "\"axes\": [{\"key\": \"circuit.across_coil\", \"unit\": \"\"}], \"report\": [{\"name\": "
+      "\"stroke\", \"unit\": \"m\", \"text\": \"\"}, {\"name\": "
       "\"release\", \"unit\": \"s\", \"text\": \"\"}, {\"name\": \"peak\", \"unit\": \"V\", "
       "\"text\": \"\"}]}");
   RUN_GOOD("plot s --quiet");
   EXPECT(!access("s/pair_release_s.png", F_OK), "no picture of the pair");
-  EXPECT_REPORT("release over peak", ">-220<", "It goes on below the picture, to -220 %");
+  EXPECT_REPORT("release over peak", ">-220<", "It goes on below the picture, to -220 %",
+                ">1.0004<"); /* an axis spans a thousandth of its value at least */
 }
 
 static void samples(void) {

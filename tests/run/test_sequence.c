@@ -235,7 +235,8 @@ static void pauses_of_one_run(void) {
 
 /* A law of control that fires otherwise where it is begun for the second time, which is for the
  * coarser run: the finer one, for which it is begun for the third time, takes its place, and
- * decides. Where it fires otherwise there as well nothing is decided. */
+ * decides. Where it fires otherwise there as well nothing is decided, but for i2t: the current of
+ * the whole run is far below its limit, however it is cut into conductions. */
 static void a_finer_run_decides(void) {
   static const struct {
     const char *otherwise, *verdict;
@@ -256,6 +257,10 @@ static void a_finer_run_decides(void) {
     char *begun = read_file("begun"), *summary = read_file("out/summary.json");
     EXPECT(r.status == ROWS[k].status && strstr(r.out, ROWS[k].verdict), "%d %s%s", r.status, r.out,
            r.err);
+    if (ROWS[k].status)
+      EXPECT(strstr(r.err, "undecided for its sake: thyristor.di_dt, thyristor.t_off;") &&
+                 !strstr(r.err, "i2t"),
+             "%s", r.err);
     EXPECT(strlen(begun) == 3, "begun %zu times", strlen(begun));
     EXPECT(strstr(summary, "\"second_run\": {\"tolerance\": 1e-05"), "%s", summary);
     free(begun), free(summary);

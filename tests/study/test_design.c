@@ -556,13 +556,19 @@ static void budget(void) {
   snprintf(more, sizeof more, "%sbudget: {runs: 12}\n", threats(140));
   write_design("", more);
   ran r = run("design d.yaml -o spent --overwrite");
+  EXPECT(strstr(r.out, "none is known to hold; the nearest so far: price = ") &&
+             strstr(r.out, ", where nothing below 1.4 holds (") &&
+             strstr(r.out, "\ncircuit.thyristor ") && strstr(r.out, "\nagainst it: it "),
+         "%s", r.out);
   expect_end(&r, 4, "!budget.runs = 12 is spent: nothing below 1.4 holds");
   /* spent on the draws, there is an answer that holds the list */
   write_design(", parts: [g800.inc, g1200.inc]",
                "threats:\n  swell: {kind: swell, level: {from: 110 %, to: 120 %}, n: 1, duration: "
                "20 ms}\nproof: {verify: false}\nbudget: {runs: 30}\n");
   r = run("design d.yaml -o spent --overwrite");
-  EXPECT(strstr(r.out, "best so far: price = 1.4 of 10 candidates, after "), "%s", r.out);
+  EXPECT(strstr(r.out, "best so far: price = 1.4 of 10 candidates, after ") &&
+             strstr(r.out, "; nothing below 1.4 holds, and it is not proved that this one does"),
+         "%s", r.out);
   expect_end(&r, 4, "!nothing below 1.4 holds, and the best so far is not proved");
 }
 

@@ -222,11 +222,28 @@ static void doubt(vs_deck *deck, const vs_scene_event *e, size_t k, const elemen
                   &(vs_wiring_element){at->name, {at->node[0], at->node[1]}, value, inner, past});
 }
 
+/* Tells the devices whose current the k-th event cuts off: its element is their part, or the source
+ * that alone shows their current, with a sign or without. */
+static void tell_devices(vs_deck *deck, const element *at, size_t k) {
+  char current[2 * VS_DECK_NAME];
+  const vs_part *part = part_of(deck, &vs_deck_cards(deck)->card[at->line]);
+  snprintf(current, sizeof current, "i(%s)", at->name);
+  for (size_t n = 0; n < deck->n_devices; n++) {
+    vs_device *d = &deck->devices[n];
+    bool cut = part && d->part == (int)(part - deck->parts);
+    for (size_t o = 0; d->current.count <= 2 && o < d->current.count; o++)
+      cut = cut || (d->current.ops[o].kind == VS_OP_TERM &&
+                    !strcasecmp(deck->terms[d->current.ops[o].index].plus, current));
+    if (cut) d->opened_by = k + 1;
+  }
+}
+
 static vs_status open_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_error *err) {
   element at;
   char node[VS_DECK_NAME], line[1024];
   vs_status status = find_element(deck, e, e->kind->element(e, deck), &at, err);
   if (status) return status;
+  tell_devices(deck, &at, k);
   snprintf(node, sizeof node, "vs_n%zu", k);
   snprintf(line, sizeof line, "%s vs_n%zu%s", at.name, k, at.rest);
   doubt(deck, e, k, &at, node);

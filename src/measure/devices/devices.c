@@ -298,8 +298,15 @@ static void note_fuse_deed(vs_watched *w, vs_deed deed, double at_s) {
   w->sequence.edge = true;
 }
 
+/* True for a fuse that did not melt by what it carried: an event opened its circuit before. */
+static bool is_opened(const vs_watched *w, const vs_melting *m) {
+  const size_t event = w->device->opened_by;
+  return event && m->melted && m->melted_s >= w->timeline->events.item[event - 1].start_s;
+}
+
 static void follow_fuse(vs_devices *d, vs_watched *w, vs_melting *m, const vs_course_step *c) {
   vs_melting_news news = vs_melting_follow(m, c);
+  if (is_opened(w, m)) return;
   if (!isnan(news.melts_s)) note_fuse_deed(w, VS_DEED_MELTS, news.melts_s);
   if (!isnan(news.cleared_s)) note_fuse_deed(w, VS_DEED_CLEARS, news.cleared_s);
   if (!isnan(news.again_s)) note_fuse_deed(w, VS_DEED_ARCS_AGAIN, news.again_s);

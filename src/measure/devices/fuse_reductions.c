@@ -217,7 +217,8 @@ static void finish_open(const vs_watched *w, vs_reduced *r, const vs_run_end *en
   if (r->value.known) return;
   r->limit = NULL;
   r->unjudged = s->melted ? "not judged: the run ends within half a mains cycle of its opening"
-                          : "not judged: it did not open";
+                : w->device->opened_by ? "not judged: an event opens it"
+                                       : "not judged: it did not open";
 }
 
 static void prepare_arc(vs_watched *w, vs_reduced *r) {

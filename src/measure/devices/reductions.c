@@ -157,11 +157,18 @@ static void follow_conduction_integral(const vs_watched *w, vs_reduced *r,
   vs_reducer_take_largest(r, c, before, *present);
 }
 
+/* However the run's current is cut into conductions, no conduction has more than the whole. */
+static void finish_conduction_integral(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  (void)end;
+  r->most = w->sum[r->measure->of];
+}
+
 static const vs_reducer pulse = {.state_size = sizeof(double),
                                  .across = true,
                                  .hangs_on_sequence = true,
                                  .begin = vs_reducer_begin_at_zero,
-                                 .follow = follow_conduction_integral};
+                                 .follow = follow_conduction_integral,
+                                 .finish = finish_conduction_integral};
 
 /* ---- means of what is repeated ----
  * The integral over the run, divided by the time from one pulse to the next. Not known where no

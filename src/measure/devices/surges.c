@@ -182,7 +182,12 @@ static void finish_derated(const vs_watched *w, vs_reduced *r, const vs_run_end 
   const vs_scene_event *e = vs_scene_event_repeated(&w->timeline->events);
   const pulse_of *beyond = NULL;
   (void)end;
-  if (!has_table(w, r)) return;
+  if (!has_table(w, r)) {
+    const vs_reduced *heat = vs_reducer_of(w, VS_R_HEAT);
+    if (e && heat && heat->limit)
+      r->unjudged = "not judged: repeated pulses, and the part has no table of them";
+    return;
+  }
   end_pulse(all);
   for (size_t k = 0; k < all->count; k++) {
     const double of_run = (double)(k + 1 + (k + 1 == all->count ? all->more : 0));

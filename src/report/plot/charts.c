@@ -185,11 +185,15 @@ static vs_status set_names(const vs_study_plot *k, size_t x, size_t y, vs_pictur
   return status;
 }
 
-/* The reported columns with numbers: the first two. False: there are fewer. */
+/* The reported columns with numbers that vary: the first two; in the place of one that lacks the
+ * least margin. False: there are fewer. */
 static bool find_pair(const vs_study_plot *k, size_t pair[2]) {
+  static const vs_folder_role ROLES[] = {VS_ROLE_REPORT, VS_ROLE_MARGIN};
   size_t n = 0;
-  for (size_t c = 1; c < k->t->count && n < 2; c++)
-    if (k->t->column[c].role == VS_ROLE_REPORT && k->s->profile[c].known) pair[n++] = c;
+  for (size_t r = 0; r < 2; r++)
+    for (size_t c = 1; c < k->t->count && n < 2; c++)
+      if (k->t->column[c].role == ROLES[r] && k->s->profile[c].known && vs_study_plot_varies(k, c))
+        pair[n++] = c;
   return n == 2;
 }
 
@@ -222,7 +226,7 @@ static vs_status draw_pair(const vs_study_plot *k, size_t column, vs_picture *p,
   return status;
 }
 
-/* "pair": the first reported measure over the second, a named point for each case. */
+/* "pair": a reported measure over the next one, a named point for each case. */
 const vs_chart vs_charts_pair = {.name = "pair", .fits = fits_pair, .draw = draw_pair};
 
 static vs_status draw_cases(const vs_study_plot *k, size_t column, vs_picture *p, vs_error *err) {

@@ -220,6 +220,7 @@ static void add_colours(const map *m, vs_picture *p) {
     vs_text_add(&p->caption, "All below -100 %% are in one colour; the least is %.4g %%. ", least);
     least = -100;
   }
+  vs_study_plot_widen(m->k, m->column, &least, &largest);
   double room = largest > least ? 0 : least != 0 ? 0.01 * fabs(least) : 1;
   vs_gnuplot_code(&p->script, vs_scale_palette);
   vs_gnuplot_add(&p->script, "set cbrange [%.9g:%.9g]\nset cblabel ", least - room, largest + room);

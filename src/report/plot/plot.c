@@ -156,9 +156,9 @@ static int add_sheet(vs_script *script, const run_file *run, const vs_sheet *s,
   bool ms = until <= 0.5;
   add_terminal(script, s, (there + s->columns - 1) / s->columns, output);
   vs_gnuplot_add(script,
-                 ms ? "set xrange [0:%.9g]\nset xlabel 't / ms'\n"
-                    : "set xrange [0:%.9g]\nset xlabel 't / s'\n",
-                 ms ? 1e3 * until : until);
+                 ms ? "set xrange [%.9g:%.9g]\nset xlabel 't / ms'\n"
+                    : "set xrange [%.9g:%.9g]\nset xlabel 't / s'\n",
+                 (ms ? 1e3 : 1) * s->from_s, (ms ? 1e3 : 1) * until);
   for (int k = 0; k < s->count; k++)
     if (find_column(run->header, s->panels[k].column))
       add_panel(script, run, &s->panels[k], ms ? 1e3 : 1);
@@ -267,7 +267,7 @@ vs_status vs_plot_command(const vs_plot_options *o, vs_error *err) {
   if (!status) status = open_run(o->folder, &run, err);
   const vs_overlay_run against = {o->folder, run.path, run.header, run.until_s};
   if (!status && o->overlay) status = vs_overlay_read(o->overlay, &against, &run.overlay, err);
-  vs_sheets *all = vs_sheets_new(o->folder, run.header ? run.header : "");
+  vs_sheets *all = vs_sheets_new(o->folder, run.header ? run.header : "", run.until_s);
   run.sheets = all;
   if (!status && o->output) {
     add_measured(&all->overview, 1, all, &run.overlay);

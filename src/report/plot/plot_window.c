@@ -248,8 +248,8 @@ vs_status vs_plot_window_command(const vs_plot_window_options *o, vs_error *err)
 bool vs_plot_window_wanted(const char *folder) {
   vs_moments moments = {0};
   vs_error unread = {0};
-  bool wanted =
-      !vs_time_window_read_moments(folder, &moments, &unread) && vs_time_window_eventful(&moments);
+  bool wanted = !vs_time_window_read_moments(folder, &moments, &unread) &&
+                !isnan(vs_time_window_first_event(&moments));
   vs_time_window_free_moments(&moments);
   return wanted;
 }

@@ -9,6 +9,7 @@
 #include "base/path.h"
 #include "base/tree.h"
 #include "plant/machine.h"
+#include "plot/time_window.h"
 #include "traces.h"
 
 /* The run that the sheets are for. */
@@ -18,6 +19,8 @@ typedef struct run {
   bool is_paper;  /* the run has the paper's machine, a scene's default, or does not say which */
   bool is_direct; /* its supply is a direct voltage */
   bool is_figure; /* and it is fired as in the paper's figures, through the same circuit */
+  double until_s; /* of its last row */
+  double event_s; /* when the scene's first event begins; NaN: none does */
 } run;
 
 static bool is_of(const vs_column *c, const char *role) {
@@ -61,6 +64,11 @@ static void look_at_run(run *r, const char *folder, const char *header) {
   const vs_node *kind = vs_tree_child(vs_tree_child(scene, "supply"), "kind");
   r->is_direct = kind && kind->text && !strcmp(kind->text, "step");
   vs_tree_free(&tree);
+  vs_moments moments = {0};
+  r->event_s = vs_time_window_read_moments(folder, &moments, &unread)
+                   ? -1
+                   : vs_time_window_first_event(&moments);
+  vs_time_window_free_moments(&moments);
 }
 
 /* ---- what instruments have filled ---- */
@@ -174,10 +182,10 @@ static void add_first_coordinate(vs_sheet *s, const run *r) {
   if (c) add_coordinate(s, c);
 }
 
-/* Adds the voltage of a deck's switch, where it has that probe. */
-static void add_switch(vs_sheet *s, const run *r) {
+/* Adds a probe of the deck, where it has that. */
+static void add_probe(vs_sheet *s, const run *r, const char *column, const char *label) {
   for (size_t k = 0; k < r->count; k++)
-    if (!strcmp(r->column[k].name, "v_ds_v")) vs_sheet_add(s, "v_ds_v", "switch voltage / V", 1);
+    if (!strcmp(r->column[k].name, column)) vs_sheet_add(s, column, label, 1);
 }
 
 static void fill_pulse(vs_sheet *s, const run *r) {
@@ -185,7 +193,7 @@ static void fill_pulse(vs_sheet *s, const run *r) {
   vs_sheet_add(s, "force_n", "F / N", 1);
   vs_sheet_add(s, "i_a", "i / A", 1);
   vs_sheet_add(s, "v_eva_v", r->is_paper ? "EVA voltage / V" : "coil voltage / V", 1);
-  add_switch(s, r);
+  add_probe(s, r, "v_ds_v", "switch voltage / V");
 }
 
 static void fill_overview(vs_sheet *s, const run *r) {
@@ -196,7 +204,7 @@ static void fill_overview(vs_sheet *s, const run *r) {
   vs_sheet_add(s, "i_a", "i / A", 1);
   vs_sheet_add(s, "v_eva_v", r->is_paper ? "EVA voltage / V" : "coil voltage / V", 1);
   vs_sheet_add(s, "v_mains_v", r->is_direct ? "supply voltage / V" : "mains voltage / V", 1);
-  add_switch(s, r);
+  add_probe(s, r, "v_ds_v", "switch voltage / V");
 }
 
 /* Adds a panel for each curve that instruments have measured, in their order. Its label is that of
@@ -239,6 +247,20 @@ static void fill_control(vs_sheets *all, vs_sheet *s, const run *r) {
   add_first_coordinate(s, r);
   vs_sheet_add(s, "i_a", "i / A", 1);
   if (amplitude && set_point) add_shown(all, "set point", set_point, amplitude->name);
+}
+
+/* What an event does is shown for the most of a picture, where that would end before or soon after
+ * it. */
+static const double BEFORE = 0.2;
+
+static void begin_at_event(vs_sheet *s, const run *r) {
+  const double span_s = s->until_s;
+  s->from_s = r->event_s - BEFORE * span_s;
+  s->until_s = s->from_s + span_s;
+  char *first = strstr(s->title, ", first ");
+  if (first)
+    snprintf(first, sizeof s->title - (size_t)(first - s->title), ", from %.6g ms on",
+             1e3 * s->from_s);
 }
 
 /* Fills the k-th sheet; after those of the set comes the overview. */
@@ -293,21 +315,27 @@ static void fill_sheet(vs_sheet *s, int k, const run *r) {
        2,
        fill_overview}};
   s->name = SHEETS[k].name;
-  s->title = SHEETS[k].title[r->is_paper + r->is_figure];
+  const char *title = SHEETS[k].title[r->is_paper + r->is_figure];
   s->until_s = SHEETS[k].until_s;
   s->columns = SHEETS[k].columns;
   if (r->is_direct &&
       SHEETS[k].title[3]) { /* one pulse: what happens is not over after some cycles */
-    s->title = SHEETS[k].title[3];
+    title = SHEETS[k].title[3];
     s->until_s = 0;
   }
+  snprintf(s->title, sizeof s->title, "%s", title);
+  if (s->until_s > 0 && s->until_s < r->until_s && r->event_s > BEFORE * s->until_s)
+    begin_at_event(s, r);
   SHEETS[k].fill(s, r);
+  if (s->from_s > 0 && SHEETS[k].fill != fill_motion)
+    add_probe(s, r, "i_thyristor_a", "i_thyristor / A");
 }
 
-vs_sheets *vs_sheets_new(const char *folder, const char *header) {
+vs_sheets *vs_sheets_new(const char *folder, const char *header, double until_s) {
   vs_sheets *all = vs_alloc(1, sizeof *all);
   run r = {.column = NULL};
   look_at_run(&r, folder, header);
+  r.until_s = until_s;
   for (int k = 0; k < VS_SHEETS; k++) fill_sheet(&all->set[k], k, &r);
   fill_sheet(&all->overview, VS_SHEETS, &r);
   find_shown(all, &r);

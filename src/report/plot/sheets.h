@@ -21,9 +21,10 @@ typedef struct vs_panel {
 } vs_panel;
 
 typedef struct vs_sheet {
-  const char *name, *title; /* the picture's file name without its ending; what stands above it */
-  double until_s;           /* 0: the whole run */
-  int columns;              /* how many panels stand side by side */
+  const char *name;               /* the picture's file name without its ending */
+  char title[VS_SHEET_NAME + 32]; /* what stands above it */
+  double from_s, until_s;         /* until: 0: the whole run */
+  int columns;                    /* how many panels stand side by side */
   vs_panel panels[VS_SHEET_PANELS];
   int count;
 } vs_sheet;
@@ -45,9 +46,9 @@ typedef struct vs_sheets {
   int n_shown;
 } vs_sheets;
 
-/* Returns the sheets of a run, for the caller to free(). header: of run.csv, whose columns
- * vs_traces_columns knows. */
-vs_sheets *vs_sheets_new(const char *folder, const char *header);
+/* Returns the sheets of a run that ends at until_s, for the caller to free(). header: of run.csv,
+ * whose columns vs_traces_columns knows. */
+vs_sheets *vs_sheets_new(const char *folder, const char *header, double until_s);
 
 /* The n-th column, from 0, that is drawn over this column of run.csv; NULL: there is none. */
 const vs_sheet_shown *vs_sheets_shown(const vs_sheets *sheets, const char *column, int n);

@@ -64,16 +64,16 @@ static void add_moments(const vs_time_window *s, size_t run, int words, int size
                    "%.1f dt 3 back\n",
                    scale * now->at_s, scale * now->at_s,
                    s->runs > 1 ? vs_time_window_colour(run) : "#808080", now->is_event ? 1.8 : 0.9);
-    if (!words || (!now->is_event && (now->at_s - last < room || is_repeated(s, m, k) ||
-                                      (words == 1 && is_crowded(m, k, room)))))
+    if (!words || (!now->is_event &&
+                   (now->at_s - last < room || is_repeated(s, m, k) || is_crowded(m, k, room))))
       continue;
-    last = now->at_s;
+    last = fmax(now->at_s, last + room); /* words never stand on others */
     vs_gnuplot_add(script, "set label ");
     vs_gnuplot_caption(script, now->what, room_pixels, size);
     vs_gnuplot_add(script,
                    " at first %.9g, graph 0.96 rotate by 90 right offset 0.7,0 font ',%d' tc "
                    "rgb '#505050' back\n",
-                   scale * now->at_s, size);
+                   scale * last, size);
   }
 }
 

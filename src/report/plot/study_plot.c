@@ -189,6 +189,28 @@ static double cut_low(const vs_study_plot *k, size_t column, double least, doubl
   return LOW_MARGIN;
 }
 
+/* No difference in a measure is shown below this part of its value: run.tolerance is rarely finer.
+ */
+static const double LEAST_SPAN = 1e-3;
+
+bool vs_study_plot_varies(const vs_study_plot *k, size_t column) {
+  const vs_profile *p = &k->s->profile[column];
+  return p->largest - p->least > LEAST_SPAN * fmax(fabs(p->least), fabs(p->largest));
+}
+
+void vs_study_plot_widen(const vs_study_plot *k, size_t column, double *least, double *largest) {
+  const vs_folder *t = k->t;
+  const bool margin = t->column[column].role == VS_ROLE_MARGIN;
+  double span = LEAST_SPAN * fmax(fabs(*least), fabs(*largest));
+  if (t->column[column].role == VS_ROLE_AXIS) return;
+  if (margin && t->error > 0 && isfinite(k->s->profile[t->error].largest))
+    span = fmax(span, 2 * k->s->profile[t->error].largest * vs_study_plot_scale(k, column).factor);
+  const double more = (span - (*largest - *least)) / 2;
+  if (!(more > 0)) return;
+  *least -= more;
+  *largest += more;
+}
+
 void vs_study_plot_range(const vs_study_plot *k, size_t column, char axis, bool from_zero,
                          vs_picture *p) {
   const vs_profile *profile = &k->s->profile[column];
@@ -204,6 +226,7 @@ void vs_study_plot_range(const vs_study_plot *k, size_t column, char axis, bool 
     add_limit(k, column, axis, limit, p);
   } else if (!isnan(limit))
     vs_text_add(&p->caption, "The limit, %.6g %s, lies outside the picture. ", limit, scale.unit);
+  vs_study_plot_widen(k, column, &least, &largest);
   double room = largest - least > 1e-10 * fabs(least) ? 0.06 * (largest - least)
                                                       : (least != 0 ? 0.05 * fabs(least) : 1);
   vs_gnuplot_add(&p->script, "set %crange [%.9g:%.9g]\n", axis, least - room, largest + room);

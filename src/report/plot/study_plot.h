@@ -83,6 +83,12 @@ void vs_study_plot_begin(const vs_study_plot *k, size_t x, size_t y, vs_picture 
 /* Adds what the axis ('x' or 'y') of this column needs: label, logarithmic scale, words instead of
  * numbers. */
 void vs_study_plot_axis(const vs_study_plot *k, size_t column, char axis, vs_script *script);
+/* False where the column's values differ by no more than what numbers may be wrong by. */
+bool vs_study_plot_varies(const vs_study_plot *k, size_t column);
+/* Widens the ends of what is shown of a measure to its error at least, as pictures of smaller
+ * differences would show what is none. */
+void vs_study_plot_widen(const vs_study_plot *k, size_t column, double *least, double *largest);
+
 /* Sets the axis' range to what is drawn, with 0 if asked, and with the column's limit if that is
  * near; the limit is drawn as a line. */
 void vs_study_plot_range(const vs_study_plot *k, size_t column, char axis, bool from_zero,

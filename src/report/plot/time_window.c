@@ -57,10 +57,11 @@ void vs_time_window_free_moments(vs_moments *m) {
   *m = (vs_moments){0};
 }
 
-bool vs_time_window_eventful(const vs_moments *m) {
+double vs_time_window_first_event(const vs_moments *m) {
+  double first_s = NAN;
   for (size_t k = 0; k < m->count; k++)
-    if (m->item[k].is_event) return true;
-  return false;
+    if (m->item[k].is_event) first_s = fmin(first_s, m->item[k].at_s); /* of NaN and x: x */
+  return first_s;
 }
 
 /* The number of moments with this text. */
@@ -143,7 +144,8 @@ static vs_status find_one(const char *word, const vs_traces *t, vs_probes_shown 
 /* Takes the first column, which is a coordinate if these were recorded, and those that every tier
  * has. */
 static void take_usual(const vs_traces *t, vs_probes_shown *p) {
-  static const char *const USUAL[] = {"force_n", "i_a", "v_eva_v", "v_mains_v", "v_ds_v"};
+  static const char *const USUAL[] = {"force_n", "i_a",       "i_thyristor_a",
+                                      "v_eva_v", "v_mains_v", "v_ds_v"};
   if (t->columns > 1 && strlen(t->name[1]) < VS_PROBE_SIZE)
     fill_probe(&p->item[p->count++], &t->column[1]);
   for (size_t k = 0; k < sizeof USUAL / sizeof *USUAL; k++) {

@@ -30,8 +30,8 @@ typedef struct vs_moments {
 vs_status vs_time_window_read_moments(const char *folder, vs_moments *moments, vs_error *err);
 void vs_time_window_free_moments(vs_moments *moments);
 
-/* True if an event of the scene begins in the run. */
-bool vs_time_window_eventful(const vs_moments *moments);
+/* When the scene's first event begins, s; NaN: none does in the run. */
+double vs_time_window_first_event(const vs_moments *moments);
 
 /* Chooses the stretch of time to show, within 0 to until_s, and returns the reason in words. It
  * lies around the first of these that exist: events of the scene; what happens once while other

@@ -19,7 +19,9 @@ typedef struct answer {
   const vs_results *results;
   vs_design_search s;
   const char *folder;
-  vs_design_mark least[VS_DESIGN_CHOICES]; /* of the answer, of the lines of each choice's devices;
+  const vs_design_candidate *best; /* the answer; where the budget was spent without one, what came
+                                      nearest; NULL: there is none */
+  vs_design_mark least[VS_DESIGN_CHOICES]; /* of the best, of the lines of each choice's devices;
                                               run UINT64_MAX: no line is theirs */
   uint64_t *scene;                         /* [n_scenes]: runs whose scenes are written */
   size_t n_scenes;
@@ -88,15 +90,15 @@ static void take_class(answer *a, size_t choice, const vs_design_class *class,
 
 static void find_margins(answer *a) {
   const vs_design_search *s = &a->s;
+  const vs_design_candidate *best = a->best;
   for (size_t c = 0; c < a->d->n_choices; c++) a->least[c].run = UINT64_MAX;
-  if (!s->answer) return;
+  if (!best) return;
   for (size_t k = 0; k < s->n_list; k++)
-    if (k < s->answer->room && s->answer->run[k])
-      take_run_of_answer(a, s->list[k], s->answer->run[k] - 1);
-  for (size_t k = 0; k < s->n_shown; k++)
+    if (k < best->room && best->run[k]) take_run_of_answer(a, s->list[k], best->run[k] - 1);
+  for (size_t k = 0; k < s->n_shown && best == s->answer; k++)
     take_run_of_answer(a, s->shown[k].number, s->shown[k].run);
   for (size_t c = 0; c < a->d->n_choices; c++)
-    take_class(a, c, class_of(a->d, s->answer, c), &a->least[c]);
+    take_class(a, c, class_of(a->d, best, c), &a->least[c]);
 }
 
 static void count_cheaper(answer *a) {
@@ -327,39 +329,6 @@ static void add_proof_by_draws(const answer *a, vs_text *text) {
               100 * (1 - pow(0.05, 1 / (double)s->draws_held)));
 }
 
-/* True for a device whose limits the list of prices has. */
-static bool is_priced(const answer *a, const char *name, size_t n) {
-  for (size_t c = 0; c < a->d->n_choices; c++)
-    if (a->d->choice[a->d->choice[c].leader].n_limits && strlen(a->d->choice[c].device) == n &&
-        !strncmp(a->d->choice[c].device, name, n))
-      return true;
-  return false;
-}
-
-/* Adds a group "r1, c1 (no limit stated)" of a row's cell, but for what the list of prices judges.
- */
-static void add_group(const answer *a, const char *group, size_t length, vs_text *text) {
-  const char *reason = memchr(group, '(', length), *between = "";
-  const char *end = reason ? reason - 1 : group + length;
-  const size_t before = text->length;
-  vs_text_add(text, "%s", text->length ? "; " : "");
-  for (const char *s = group; s < end;) {
-    size_t n = strcspn(s, ",(");
-    if (s + n > end) n = (size_t)(end - s);
-    if (!is_priced(a, s, n)) {
-      vs_text_add(text, "%s%.*s", between, (int)n, s);
-      between = ", ";
-    }
-    s += n;
-    s += strspn(s, ", ");
-  }
-  if (!*between) {
-    text->length = before;
-    return;
-  }
-  if (reason) vs_text_add(text, " %.*s", (int)(group + length - reason), reason);
-}
-
 /* Adds the lines that hold waives, those that the list of prices judges, or those of another limit.
  */
 static void add_lines(const answer *a, int which, vs_text *text) {
@@ -393,7 +362,7 @@ static void add_not_judged(const answer *a, vs_text *text) {
         end = strstr(strchr(reason, ')') ? strchr(reason, ')') : end, "; ");
       const size_t n = end ? (size_t)(end - g) : strlen(g);
       vs_text one = {0};
-      add_group(a, g, n, &one);
+      vs_design_scene_group(a->d, g, n, &one);
       if (one.length && (!all.length || !strstr(all.text, one.text)))
         vs_text_add(&all, "%s%s", all.length ? "; " : "", one.text);
       vs_text_free(&one);
@@ -567,12 +536,12 @@ static void add_cell(vs_text *line, const char *text, size_t width) {
 }
 
 static void add_choice_row(const answer *a, size_t c, vs_text *line) {
-  const vs_design_class *class = class_of(a->d, a->s.answer, c);
+  const vs_design_class *class = class_of(a->d, a->best, c);
   const vs_design_mark *least = &a->least[c];
   vs_text text = {0};
   char number[64];
   double margin;
-  add_option(a, a->s.answer, c, &text);
+  add_option(a, a->best, c, &text);
   if (strcmp(text.text, vs_design_choices_part(a->d, class)) != 0)
     vs_text_add(&text, " (%s)", vs_design_choices_part(a->d, class));
   add_cell(line, a->d->choice[c].node->key, 20);
@@ -694,21 +663,55 @@ static void add_killers(const answer *a, vs_text *text) {
   }
 }
 
-static void add_page(answer *a, vs_text *text) {
-  const vs_design_search *s = &a->s;
-  if (!s->answer) {
-    add_killers(a, text);
-    return;
-  }
-  vs_text_add(text, "%s: %s = %.6g of %llu candidates, after %llu runs\n",
-              s->proved ? "cheapest that holds" : "best so far", a->d->aim->text, s->answer->price,
-              (unsigned long long)a->d->n_candidates, (unsigned long long)a->results->count);
+static void add_choices(const answer *a, vs_text *text) {
   if (a->d->hold.margin > 0)
     vs_text_add(text, "each margin is what is left beyond hold.margin, %.3g %% of the limit\n",
                 100 * a->d->hold.margin);
   vs_text_add(text, "\n%-20s  %-22s  %-3s  %-7s  %-18s  %-22s  %s\n", "choice", "part", "no.",
               "each", "least margin", "whose", "under");
   for (size_t c = 0; c < a->d->n_choices; c++) add_choice_row(a, c, text);
+}
+
+/* What came nearest as the budget was spent, and what stands against it. */
+static void add_nearest(const answer *a, vs_text *text) {
+  const vs_design_candidate *c = a->best;
+  vs_text_add(
+      text,
+      "none is known to hold; the nearest so far: %s = %.6g, where nothing below %.6g holds "
+      "(%llu candidates, %llu runs)\n",
+      a->d->aim->text, c->price, vs_design_search_bound(&a->s),
+      (unsigned long long)a->d->n_candidates, (unsigned long long)a->results->count);
+  add_choices(a, text);
+  vs_text_add(text, "\nagainst it: it");
+  if (c->state == VS_DESIGN_KILLED)
+    add_violation(a, &c->killer, text);
+  else if (c->doubtful)
+    add_doubt(a, c, text);
+  else
+    vs_text_add(text, " held %llu runs, and was not run to its end, as the budget is spent\n",
+                (unsigned long long)c->runs);
+  vs_text_add(text, "\n");
+}
+
+static void add_page(answer *a, vs_text *text) {
+  const vs_design_search *s = &a->s;
+  if (!s->answer) {
+    vs_text killers = {0};
+    if (a->best) add_nearest(a, text);
+    add_killers(a, &killers);
+    if (killers.length) vs_text_add(text, "%s", killers.text);
+    vs_text_free(&killers);
+    return;
+  }
+  vs_text_add(text, "%s: %s = %.6g of %llu candidates, after %llu runs",
+              s->proved ? "cheapest that holds" : "best so far", a->d->aim->text, s->answer->price,
+              (unsigned long long)a->d->n_candidates, (unsigned long long)a->results->count);
+  if (s->proved)
+    vs_text_add(text, "\n");
+  else
+    vs_text_add(text, "; nothing below %.6g holds, and it is not proved that this one does\n",
+                vs_design_search_bound(s));
+  add_choices(a, text);
   if (s->proved && a->d->neighbours) add_around(a, text);
   vs_text_add(text, "\nproof\n");
   for (int k = 0; k < PROOF; k++) {
@@ -762,6 +765,7 @@ vs_status vs_design_answer_publish(const vs_plan *plan, const vs_plan_stage *sta
   vs_text text = {0};
   *a = (answer){.plan = plan, .d = stage->state, .results = results, .folder = folder};
   vs_design_search_run(&a->s, a->d, plan, results, NULL);
+  a->best = a->s.answer ? a->s.answer : vs_design_search_nearest(&a->s);
   find_margins(a);
   count_cheaper(a);
   vs_error why = {0};

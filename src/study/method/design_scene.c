@@ -122,3 +122,34 @@ void vs_design_scene_unsure(const vs_plan *plan, const double *point, vs_text *t
   vs_scene_free(scene);
   free(scene);
 }
+
+/* True for a device whose limits the list of prices has. */
+static bool is_priced(const vs_design *d, const char *name, size_t n) {
+  for (size_t c = 0; c < d->n_choices; c++)
+    if (d->choice[d->choice[c].leader].n_limits && strlen(d->choice[c].device) == n &&
+        !strncmp(d->choice[c].device, name, n))
+      return true;
+  return false;
+}
+
+void vs_design_scene_group(const vs_design *d, const char *group, size_t length, vs_text *text) {
+  const char *reason = memchr(group, '(', length), *between = "";
+  const char *end = reason ? reason - 1 : group + length;
+  const size_t before = text->length;
+  vs_text_add(text, "%s", text->length ? "; " : "");
+  for (const char *s = group; s < end;) {
+    size_t n = strcspn(s, ",(");
+    if (s + n > end) n = (size_t)(end - s);
+    if (!is_priced(d, s, n)) {
+      vs_text_add(text, "%s%.*s", between, (int)n, s);
+      between = ", ";
+    }
+    s += n;
+    s += strspn(s, ", ");
+  }
+  if (!*between) {
+    text->length = before;
+    return;
+  }
+  if (reason) vs_text_add(text, " %.*s", (int)(group + length - reason), reason);
+}

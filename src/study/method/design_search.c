@@ -654,6 +654,28 @@ double vs_design_search_bound(const vs_design_search *s) {
   return price;
 }
 
+/* True where a came nearer to holding than b: not rejected before not judged before violated; of
+ * two not rejected the one with more runs, of two violated the one that is violated by less; then
+ * the cheaper one. */
+static bool is_nearer(const vs_design_candidate *a, const vs_design_candidate *b) {
+  static const int RANK[] = {[VS_DESIGN_HOLDS] = 3,
+                             [VS_DESIGN_OPEN] = 2,
+                             [VS_DESIGN_UNJUDGED] = 1,
+                             [VS_DESIGN_KILLED] = 0};
+  if (a->state != b->state) return RANK[a->state] > RANK[b->state];
+  if (a->state == VS_DESIGN_OPEN && a->runs != b->runs) return a->runs > b->runs;
+  if (a->state == VS_DESIGN_KILLED && a->killer.margin != b->killer.margin)
+    return a->killer.margin > b->killer.margin || isnan(b->killer.margin);
+  return a->price < b->price;
+}
+
+const vs_design_candidate *vs_design_search_nearest(const vs_design_search *s) {
+  const vs_design_candidate *best = NULL;
+  for (size_t k = 0; k < s->n_seen && !s->looked_at_all; k++)
+    if (!best || is_nearer(s->seen[k], best)) best = s->seen[k];
+  return best;
+}
+
 void vs_design_search_free(vs_design_search *s) {
   for (size_t k = 0; k < s->n_seen; k++) {
     free(s->seen[k]->run);

@@ -105,3 +105,7 @@ const char *vs_design_search_found_by(const vs_design_search *search, uint64_t n
 
 /* The price below which nothing holds: the least of what is not rejected, be it judged or not. */
 double vs_design_search_bound(const vs_design_search *search);
+
+/* Where the budget was spent without an answer the candidate that came nearest to one; NULL: all
+ * were looked at, or none was begun. */
+const vs_design_candidate *vs_design_search_nearest(const vs_design_search *search);

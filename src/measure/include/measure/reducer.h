@@ -92,6 +92,8 @@ typedef struct vs_reduced {
   double failed_s; /* instant at which the value first passed the limit; NaN: it has not */
   vs_limit own;    /* the limit where it is none of a file's, as one that was derated */
   double scatter;  /* one part differs from the next by this */
+  double most;     /* the value is no more than this, whatever the device's firings make of what
+                      flows in the run; 0: no such bound is known */
   bool idle;       /* the run has nothing that the measure would be judged of, or another one is
                       judged in its place */
   const char *unjudged; /* why the value is not held against the limit that the part has, as

@@ -59,8 +59,10 @@ typedef struct vs_judgement {
   double over_from_s; /* of a mean or rms value: the stress is over the stretch from here to the end
                          of what means are over; NaN: over all of that, or of another measure */
   double doubt;       /* the margin may be wrong by this besides */
-  double spread;   /* sensitivity: a relative error e of the run changes the margin by e spread */
-  double scatter;  /* the margin of one part and of the next differ by this */
+  double spread;  /* sensitivity: a relative error e of the run changes the margin by e spread */
+  double scatter; /* the margin of one part and of the next differ by this */
+  double most; /* whatever the device's firings, the stress takes no more of the limit than this, of
+                  the two runs the larger one; 0: no such bound is known */
   double failed_s; /* instant at which the limit was first passed; NaN: it was not */
   vs_model_beside model[VS_MODELS_BESIDE]; /* how far the models that the line hangs on are from
                                               their data sheets, where their parts say so */
@@ -130,8 +132,8 @@ void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, const vs_
                         double resolution, double rates);
 
 /* The two runs have another sequence of what `device` does from parts_s on: its lines that hang on
- * that become undecided, but for those whose value is of an instant before. Called behind
- * vs_verdict_compare. */
+ * that become undecided, but for those whose value is of an instant before, and for those that a
+ * bound on the stress holds below the limit. Called behind vs_verdict_compare. */
 void vs_verdict_undecide_sequence(vs_verdict *verdict, const vs_device *device, double parts_s);
 
 /* True: a line is so near to its limit that its device may fire without its gate, or may not. */

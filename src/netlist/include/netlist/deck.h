@@ -226,12 +226,13 @@ typedef struct vs_device {
   size_t n_ports;
   vs_gates
       gates; /* those it goes by; of a kind without a gate those of the deck's first gate port */
-  size_t scale_at; /* offset in vs_circuit_values of the factor of its own, the key NAME_scale
-                      (netlist/netlist.h); 0: it has none */
-  bool doubtful;   /* an event makes its formulas untrue (engine/drive/wiring.h) */
-  double mains_v;  /* rms voltage of the mains that may drive its current; NaN: not known, as for a
-                      device that a transformer or a source of the deck's own may drive. Known once
-                      the formulas are bound */
+  size_t scale_at;  /* offset in vs_circuit_values of the factor of its own, the key NAME_scale
+                       (netlist/netlist.h); 0: it has none */
+  bool doubtful;    /* an event makes its formulas untrue (engine/drive/wiring.h) */
+  size_t opened_by; /* number of the event that opens its circuit, from 1; 0: none does */
+  double mains_v;   /* rms voltage of the mains that may drive its current; NaN: not known, as for a
+                       device that a transformer or a source of the deck's own may drive. Known once
+                       the formulas are bound */
   char ward[VS_DECK_NAME];            /* the device it protects, as the line says; empty: none */
   int protects;                       /* index of that device; -1: none */
   unsigned char held[VS_DEVICE_MOST]; /* for each measure of its kind the limit that it is held to,
