@@ -12,6 +12,7 @@ struct vs_course_kind {
   bool (*fits)(const double *v, int count);
   double (*at)(const double *v, int count, double t_s);
   double (*edge)(const double *v, int count, double t_s);
+  double (*radian)(const double *v, int count); /* NULL: it is of straight lines */
 };
 
 /* ---- pulse(v1 v2 delay rise fall width [period]) ---- */
@@ -60,6 +61,11 @@ static double sine_edge(const double *v, int count, double t_s) {
   return part(v, count, 3) > t_s ? part(v, count, 3) : INFINITY;
 }
 
+/* With its damping, a part of whose time constant is one of its radians. */
+static double sine_radian(const double *v, int count) {
+  return 1 / hypot(2 * M_PI * v[2], part(v, count, 4));
+}
+
 /* ---- pwl(t1 v1 t2 v2 ...) ---- */
 
 static bool line_fits(const double *v, int count) {
@@ -87,10 +93,10 @@ static double line_edge(const double *v, int count, double t_s) {
 enum { MOST = 2000 };
 static const struct vs_course_kind KINDS[] = {
     {"pulse", "v1, v2, delay, rise, fall, width and maybe a period, the last four above 0", 6, 7,
-     pulse_fits, pulse_at, pulse_edge},
+     pulse_fits, pulse_at, pulse_edge, NULL},
     {"sin", "offset, amplitude and a frequency above 0, maybe delay, damping and phase", 3, 6,
-     sine_fits, sine_at, sine_edge},
-    {"pwl", "pairs of rising times and values", 2, MOST, line_fits, line_at, line_edge}};
+     sine_fits, sine_at, sine_edge, sine_radian},
+    {"pwl", "pairs of rising times and values", 2, MOST, line_fits, line_at, line_edge, NULL}};
 
 static const struct vs_course_kind *kind_of(vs_word word) {
   for (size_t k = 0; k < sizeof KINDS / sizeof *KINDS; k++)
@@ -130,4 +136,8 @@ double vs_course_at(const vs_course *w, double t_s) {
 
 double vs_course_edge(const vs_course *w, double t_s) {
   return w->kind ? w->kind->edge(w->value, w->count, t_s) : INFINITY;
+}
+
+double vs_course_radian(const vs_course *w) {
+  return w->kind && w->kind->radian ? w->kind->radian(w->value, w->count) : INFINITY;
 }

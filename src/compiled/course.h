@@ -23,3 +23,5 @@ void vs_course_free(vs_course *course);
  * there is none. */
 double vs_course_at(const vs_course *course, double t_s);
 double vs_course_edge(const vs_course *course, double t_s);
+/* How long a radian of its swing lasts, s; INFINITY: it has none. */
+double vs_course_radian(const vs_course *course);

@@ -62,15 +62,47 @@ bool vs_reducer_has_limit(const vs_watched *w, const vs_reduced *r) {
 /* ---- a window ---- */
 
 void vs_reducer_window_begin(vs_window *w, double width_s, double t_s) {
-  *w = (vs_window){.part_s = width_s / VS_WINDOW_PARTS, .starts_s = t_s};
+  *w = (vs_window){.part_s = width_s / VS_WINDOW_PARTS, .starts_s = t_s, .to = 1};
+}
+
+enum { RING = VS_WINDOW_PARTS + 1 };
+
+/* The oldest part leaves: as it lies about its centre, or, where its sign changes, evenly. */
+static void begin_to_leave(vs_window *w) {
+  const vs_window_part *p = &w->part[(w->now + 1) % RING];
+  const double centre = p->first / p->sum, square = p->second / p->sum - centre * centre;
+  const bool one = centre > 0 && centre < 1 && square >= 0;
+  const double half = one ? fmin(sqrt(3 * square), fmin(centre, 1 - centre)) : 0.5;
+  w->from = one ? centre - half : 0;
+  w->to = one ? centre + half : 1;
 }
 
 static void next_part(vs_window *w) {
-  enum { RING = VS_WINDOW_PARTS + 1 };
   w->now = (w->now + 1) % RING;
-  w->part[w->now] = w->whole = 0;
-  for (size_t k = 2; k <= VS_WINDOW_PARTS; k++) w->whole += w->part[(w->now + k) % RING];
+  w->part[w->now] = (vs_window_part){0};
+  w->whole = 0;
+  for (size_t k = 2; k <= VS_WINDOW_PARTS; k++) w->whole += w->part[(w->now + k) % RING].sum;
   w->starts_s += w->part_s;
+  begin_to_leave(w);
+}
+
+/* The window's integral at x of the present part, with `more` behind what that part has. */
+static double sum_at(const vs_window *w, double x, double more) {
+  const double oldest = w->part[(w->now + 1) % RING].sum;
+  const double in = x <= w->from ? 1 : x >= w->to ? 0 : (w->to - x) / (w->to - w->from);
+  return w->whole + w->part[w->now].sum + more + in * oldest;
+}
+
+/* Adds what lies evenly from x to y of the present part. */
+static void add_stretch(vs_window *w, double x, double y, double more) {
+  vs_window_part *p = &w->part[w->now];
+  if (x < w->from && w->from < y)
+    w->most = fmax(w->most, sum_at(w, w->from, more * (w->from - x) / (y - x)));
+  p->sum += more;
+  p->first += more * (x + y) / 2;
+  p->second += more * (x * x + x * y + y * y) / 3;
+  w->sum = sum_at(w, y, 0);
+  w->most = fmax(w->most, w->sum);
 }
 
 double vs_reducer_window_add(vs_window *w, const vs_course_step *c, double more) {
@@ -78,16 +110,16 @@ double vs_reducer_window_add(vs_window *w, const vs_course_step *c, double more)
   double skipped = floor((c->t1_s - w->starts_s) / w->part_s) - VS_WINDOW_PARTS - 1;
   if (skipped > 0) w->starts_s += skipped * w->part_s; /* a step longer than all of it */
   from_s = fmax(from_s, w->starts_s);
+  w->most = w->sum;
   while (c->t1_s > w->starts_s + w->part_s) {
     double end_s = fmax(w->starts_s + w->part_s, from_s);
-    w->part[w->now] += more * (end_s - from_s) / c->h_s;
+    add_stretch(w, (from_s - w->starts_s) / w->part_s, 1, more * (end_s - from_s) / c->h_s);
     from_s = end_s;
     next_part(w);
   }
-  w->part[w->now] += more * (c->t1_s - from_s) / c->h_s;
-  double oldest = w->part[(w->now + 1) % (VS_WINDOW_PARTS + 1)];
-  double still_in = fmax(1 - (c->t1_s - w->starts_s) / w->part_s, 0);
-  return w->sum = w->whole + w->part[w->now] + still_in * oldest;
+  add_stretch(w, (from_s - w->starts_s) / w->part_s, (c->t1_s - w->starts_s) / w->part_s,
+              from_s > c->t0_s ? more * (c->t1_s - from_s) / c->h_s : more);
+  return w->sum;
 }
 
 /* ---- what a device did ---- */

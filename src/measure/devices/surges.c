@@ -29,20 +29,20 @@ static void begin_window(const vs_watched *w, vs_reduced *r, double t_s) {
 
 static void follow_within(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   window *in = r->state;
-  double before = in->last.sum,
-         after = vs_reducer_window_add(&in->last, c, c->more[r->measure->of]);
+  const double before = in->last.sum;
+  vs_reducer_window_add(&in->last, c, c->more[r->measure->of]);
   (void)w;
-  vs_reducer_take_largest(r, c, before, after);
+  vs_reducer_take_largest(r, c, before, in->last.most);
 }
 
 /* Up to 10 ms what a junction bears is a constant int i^2 dt; that of a half sine is
  * peak^2 length/2. */
 static void follow_surge(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   window *in = r->state;
-  double before = in->last.sum,
-         after = vs_reducer_window_add(&in->last, c, c->more[r->measure->of]);
+  const double before = in->last.sum;
+  vs_reducer_window_add(&in->last, c, c->more[r->measure->of]);
   (void)w;
-  vs_reducer_take_largest(r, c, sqrt(2 * before / SURGE_S), sqrt(2 * after / SURGE_S));
+  vs_reducer_take_largest(r, c, sqrt(2 * before / SURGE_S), sqrt(2 * in->last.most / SURGE_S));
 }
 
 static void follow_whole_fuse(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {

@@ -197,16 +197,23 @@ struct vs_reducer {
 /* ---- what reductions share ---- */
 
 /* The integral of a course over the last WIDTH. The window over it is made of parts, each of which
- * holds its share of the steps that reach into it; of the oldest part the share counts that is not
- * yet out of the window. */
+ * holds its share of the steps that reach into it. The oldest one goes out of the window as an even
+ * course does that has its centre and its width: evenly where it is even, at once where it is a
+ * pulse. Going out evenly over 250 us, a pulse 9.9 ms before another counted by a part that hung on
+ * where steps ended. */
 enum { VS_WINDOW_PARTS = 40 };
+typedef struct vs_window_part {
+  double sum, first, second; /* and its moments about the part's beginning, in its length */
+} vs_window_part;
 typedef struct vs_window {
-  double part[VS_WINDOW_PARTS + 1];
+  vs_window_part part[VS_WINDOW_PARTS + 1];
   double whole;    /* sum of all parts but the present and the oldest one */
   size_t now;      /* index of the present part */
   double part_s;   /* how long a part is */
   double starts_s; /* when the present part began */
+  double from, to; /* where the oldest part goes out, as parts of its length */
   double sum;      /* the window's integral at the end of the last step */
+  double most;     /* within that step, its ends included */
 } vs_window;
 void vs_reducer_window_begin(vs_window *w, double width_s, double t_s);
 /* Returns the window's integral behind a step that adds `more`, evenly over its length. */
