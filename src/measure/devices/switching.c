@@ -495,7 +495,9 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c, vs_switch_n
     break;
   default:
     /* while it rests after a conduction the voltage at which that began is still asked for */
-    if (!s->conduction.conducts && (s->rest == REST_NONE || s->rest == REST_FORWARD_AGAIN))
+    if (s->conduction.conducts) break;
+    s->leaked_v = c->to[VS_OF_I] < QUIET_A ? 0 : fmax(s->leaked_v, c->from[VS_OF_V]);
+    if (s->rest == REST_NONE || s->rest == REST_FORWARD_AGAIN)
       follow_fired_v(s, c, s->conduction.foot_s);
   }
 }
@@ -730,7 +732,7 @@ static void tell_fired(vs_switch *s, bool commutated, vs_switch_news *news) {
   vs_rise_stretch by = drive_of(&s->rise);
   bool stored = s->fired_s - s->stored_at_s <= stores_s(s);
   if (stored && rate_of(&s->stored) > rate_of(&by)) by = s->stored;
-  news->fired_v = s->fired_v;
+  news->fired_v = fmax(s->fired_v, s->leaked_v);
   news->fired_rate = rate_of(&by);
   news->fired_over_v = by.over_v;
   s->stored_at_s = -INFINITY;

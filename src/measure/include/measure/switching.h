@@ -192,16 +192,17 @@ typedef struct vs_switch {
   double way;     /* +1 in a positive half cycle, -1 in a negative one */
   double t_q_s;   /* of the part; INFINITY, as at the beginning: not known */
   vs_conduction conduction;
-  bool by_gate;       /* the present or last conduction began with a gate pulse */
-  bool turning_on;    /* the current has not come to its first maximum, or fired 1 us ago or less */
-  double fired_s;     /* when it last fired; NaN: it has not fired yet */
-  double fired_v;     /* the forward voltage it fired from */
-  double rose_s;      /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */
-  double tenth_s;     /* since when the current is below a tenth of its peak; NaN: it is not */
-  vs_fall fall;       /* of a device that conducts both ways */
-  vs_value fell;      /* how the last conduction ended, as long as it is not told: (di/dt)c */
-  bool fell_last;     /* of that the rate over vs_slope_fall_s */
-  bool commutates;    /* it blocks, and a conduction's charge may still be there */
+  bool by_gate;    /* the present or last conduction began with a gate pulse */
+  bool turning_on; /* the current has not come to its first maximum, or fired 1 us ago or less */
+  double fired_s;  /* when it last fired; NaN: it has not fired yet */
+  double fired_v;  /* the forward voltage it fired from */
+  double leaked_v; /* the highest one since it leaks more than 1 mA, as it does at its breakover */
+  double rose_s;   /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */
+  double tenth_s;  /* since when the current is below a tenth of its peak; NaN: it is not */
+  vs_fall fall;    /* of a device that conducts both ways */
+  vs_value fell;   /* how the last conduction ended, as long as it is not told: (di/dt)c */
+  bool fell_last;  /* of that the rate over vs_slope_fall_s */
+  bool commutates; /* it blocks, and a conduction's charge may still be there */
   double returned_v;  /* how high the highest rise since then was that was told */
   bool latched;       /* the last conduction went on without its gate */
   double pulse_end_a; /* its current as its last gate pulse ended */
