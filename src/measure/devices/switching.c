@@ -609,10 +609,31 @@ static void judge_firing(vs_switch *s, vs_switch_news *news) {
   s->rest = REST_NONE;
 }
 
+/* The half cycle of the mains at t_s, from 0. */
+static double half_cycle(const vs_switch *s, double t_s) {
+  return floor(2 * t_s / s->gate.timeline->period_s);
+}
+
+/* A gate pulse of a triac that begins and ends while the current of the half cycle before flows is
+ * lost if the device then blocks. With each second pulse lost, it conducts in one direction. */
+static void follow_lost_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  const bool conducts = s->conduction.conducts;
+  if (s->gate.begins)
+    s->lost_s = s->both_ways && conducts && half_cycle(s, s->fired_s) < half_cycle(s, c->t0_s)
+                    ? c->t0_s
+                    : NAN;
+  if (s->fired_s > s->lost_s) s->lost_s = NAN;
+  if (isnan(s->lost_s) || s->gate.on || conducts || !(c->to[VS_OF_V] > FORWARD_V)) return;
+  news->misfire = (vs_value){true, 1, s->lost_s};
+  news->lost = true;
+  s->lost_s = NAN;
+}
+
 /* Follows whether the device answers its gate pulses. A pulse that found forward voltage and has
  * ended is unanswered; as long as a small current flows, though, it may still have been answered.
  */
 static void follow_gate_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  follow_lost_pulse(s, c, news);
   if (s->gate.begins) s->forward = s->conducted = false;
   if (s->gate.on) {
     s->conducted = s->conducted || s->conduction.conducts;
@@ -632,7 +653,7 @@ void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gate
   s->both_ways = device->kind->both_ways;
   s->way = 1;
   s->t_q_s = INFINITY;
-  s->fired_s = s->rose_s = s->tenth_s = s->unanswered_s = NAN;
+  s->fired_s = s->rose_s = s->tenth_s = s->unanswered_s = s->lost_s = NAN;
   s->stored = (vs_rise_stretch){.took_s = INFINITY};
   s->stored_at_s = -INFINITY;
   vs_switching_gate_begin(&s->gate, timeline, gates);
