@@ -625,6 +625,7 @@ static double reluctance(const vs_branches *b, const vs_branch_top *t) {
   const vs_kind *kind = t->device < 0 ? NULL : b->deck->devices[t->device].kind;
   if (kind && (kind->clamps || kind->stores)) return 100;
   if (kind && (kind->switches || kind->gated)) return 10;
+  if (!strcmp(t->name, b->deck->eva)) return 0.5; /* before a resistor beside it */
   switch (t->letter) {
   case 'v':
     return 0.1;

@@ -143,7 +143,8 @@ static vs_status refuse_rated_name(source *s, const char *name, vs_where where, 
   enum { MOST = 2048 };
   char current[VS_JUDGED_NAME];
   size_t n = 0;
-  if (s->setup->deck.lost) return VS_OK; /* a check carries on: it may be of that line */
+  /* a check carries on: it may be of that line */
+  if (s->setup->deck.lost || s->setup->machine->lost) return VS_OK;
   if (lacks_quality(s, name, current, sizeof current))
     return vs_fail_at(err, where,
                       "ratings.%s: the scene does not ask for the quality of %s; write quality: "

@@ -17,7 +17,8 @@ static vs_status unknown_probe(const vs_scene *s, const vs_node *node, vs_error 
   const char *names[VS_CH_MOST];
   size_t n = 0;
   const char *name = node->kind == VS_NODE_TEXT ? node->text : "a list or map";
-  if (s->setup.deck.lost & VS_LOST_PROBE) return VS_OK; /* a check carries on: it may be that one */
+  /* a check carries on: it may be that one */
+  if (s->setup.deck.lost & VS_LOST_PROBE || s->setup.machine->lost) return VS_OK;
   if (vs_channel_find(&full, name) >= 0)
     return vs_fail_at(err, node->where,
                       "record: probe %s exists only on tier %s, and this is tier %s", name,

@@ -174,6 +174,15 @@ static void assumed_figures(void) {
   free_ran(&r);
 }
 
+/* What the coil induces is the coil's, not the resistor's beside it. */
+static void coil_before_resistor(void) {
+  ran r = run("run relay --set circuit.across_coil=open --until 52ms --set run.verify=never --why");
+  EXPECT(strstr(r.out, "why switch.v_peak: ") && strstr(r.out, " V from the coil, ") &&
+             !strstr(r.out, "riron"),
+         "%s", r.out);
+  free_ran(&r);
+}
+
 /* A parameter without a source is named for the elements that are made of it, also by way of
  * another one, and marks the lines of the device whose formula has it. What the scene says is no
  * guess. */
@@ -278,6 +287,7 @@ static const vs_test tests[] = {{"a fall to zero", a_fall_to_zero},
                                 {"a reverse voltage", a_reverse_voltage},
                                 {"a stricter rating", a_stricter_rating},
                                 {"assumed figures", assumed_figures},
+                                {"the coil before a resistor", coil_before_resistor},
                                 {"assumed parameters", assumed_parameters},
                                 {"transistors and gates", transistors_and_gates},
                                 {"lines without a circuit", without_a_circuit}};

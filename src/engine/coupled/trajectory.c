@@ -322,8 +322,6 @@ bool vs_trajectory_pass(vs_trajectory *c) {
 
 vs_status vs_trajectory_show(vs_trajectory *c, const vs_knot *k, vs_event what, vs_error *err) {
   vs_knot *from = &c->knots[c->now], *to = &c->knots[1 - c->now];
-  if (c->blank) memcpy(from->terms, k->terms, sizeof k->terms);
-  c->blank = false;
   vs_step step = {.frame = &c->frame,
                   .from = from,
                   .to = to,
@@ -452,7 +450,11 @@ static vs_status move_machine(vs_trajectory *c, vs_error *err) {
 }
 
 vs_status vs_trajectory_move(vs_trajectory *c, vs_error *err) {
-  const vs_knot *from = vs_trajectory_last(c), *to = vs_trajectory_next(c);
+  vs_knot *from = &c->knots[c->now];
+  const vs_knot *to = vs_trajectory_next(c);
+  /* before a stop may cut the step: what is between is drawn from both ends */
+  if (c->blank) memcpy(from->terms, to->terms, sizeof from->terms);
+  c->blank = false;
   /* lambda is the cubic through both ends' values and slopes */
   double h = to->t_s - from->t_s, slope = (to->flux_wb - from->flux_wb) / h;
   set_flux_polynomial(c, from->flux_wb, from->flux_rate_v,

@@ -40,8 +40,9 @@ class Result:
                  is rated
     held         True with status 0, False with status 3, None where nothing is rated
     measures     {name: Quantity}; one with a value the run does not have is NaN
-    verdict      list of dict, a line for each limit: "device", "measure" or "rating", "stress",
-                 "limit", "unit", "margin", "margin_error" (both parts of the limit), "word", ...
+    verdict      list of dict, a line for each limit: "device", "measure", "stress", "limit" or
+                 "rating", "least", "largest", "min", "max"; "unit", "margin", "margin_error" (both
+                 parts of the limit), "word", ...
     weakest, first_to_fail    names of lines of the verdict, or None
     happened     list of dict: what must not happen and did, with "what", "device", "at_s", "times",
                  "cause", "expected" (by the scene's key `expect`) and "word"
