@@ -181,7 +181,7 @@ static int write_call(writing *w, const vs_expr *e, size_t node, const bound_op 
   }
   if (vs_words_is(n->word, "pwl")) return write_line(w, n, given, count);
   if (count == 3 && (vs_words_is(n->word, "if") || vs_words_is(n->word, "ternary_fcn")))
-    return add_op(w, (vs_program_op){.kind = CHOICE, .a = given[0], .b = given[1], .c = given[2]});
+    return add_op(w, (vs_program_op){CHOICE, given[0], given[1], given[2], 0, NULL});
   if (count == 3 && vs_words_is(n->word, "limit")) return write_limit(w, given);
   if (count == 1 && (vs_words_is(n->word, "u") || vs_words_is(n->word, "stp")))
     return add_op(w, (vs_program_op){.kind = STEP, .a = given[0]});
@@ -247,7 +247,7 @@ static int write_tree(writing *w, const vs_expr *e, size_t node, const bound_op 
     node = e->node[n->child].next;
     b = a < 0 ? -1 : write_tree(w, e, node, bound);
     c = b < 0 ? -1 : write_tree(w, e, e->node[node].next, bound);
-    return c < 0 ? -1 : add_op(w, (vs_program_op){.kind = CHOICE, .a = a, .b = b, .c = c});
+    return c < 0 ? -1 : add_op(w, (vs_program_op){CHOICE, a, b, c, 0, NULL});
   case VS_EXPR_CALL:
     return write_call(w, e, node, bound);
   default:
@@ -293,7 +293,6 @@ static void find_live(vs_compiled_program *p) {
   }
   p->n_live = p->n_decides = 0;
   for (int k = 0; k < p->count; k++) {
-    p->op[k].live = live[k];
     if (p->op[k].kind == CONSTANT || p->op[k].kind == POINT) continue;
     if (live[k] && k <= p->result) p->live[p->n_live++] = k;
     if (decides[k] || (live[k] && is_branch(&p->op[k]))) p->decides[p->n_decides++] = k;
@@ -549,7 +548,7 @@ bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
   for (int n = 0; p->chooses && n < p->n_decides; n++) {
     vs_program_op *op = &p->op[p->decides[n]];
     take_forward(p, p->decides[n], y);
-    if (!is_branch(op) || (op->kind <= KINK && !op->live)) continue;
+    if (!is_branch(op)) continue;
     const double due = due_branch(p, op, p->value);
     if (due == op->value || isnan(due)) continue;
     const bool holds = op->kind >= COMPARE;
@@ -571,7 +570,7 @@ double vs_program_change(const vs_compiled_program *p, const double *y) {
   other.op = memcpy(due, p->op, (size_t)p->count * sizeof *due);
   for (int k = 0; k < p->count; k++) {
     const double branch = is_branch(&due[k]) ? due_branch(p, &due[k], p->value) : NAN;
-    if (due[k].kind <= KINK && due[k].live && due[k].value != 0 && branch != due[k].value) return INFINITY;
+    if (due[k].kind <= KINK && due[k].value != 0 && branch != due[k].value) return INFINITY;
     if (!isnan(branch)) due[k].value = branch;
     take_forward(&other, k, y);
   }

@@ -15,7 +15,6 @@ typedef struct vs_program_op {
   int a, b, c;
   double value; /* a constant, or the branch that is held: 0 or 1; of sgn -1, 0, 1 */
   double (*of)(double);
-  bool live; /* by the branches held the result follows from it, and no branch alone */
 } vs_program_op;
 
 /* A voltage between two unknowns, or an unknown current. */
