@@ -292,21 +292,14 @@ static void go_on_in_map(compiled *c) {
  * by what differs between runs. */
 static const double SHARP = 1e-9, SHARPEST = 1e-14;
 
-/* By more than this, A or V, equations jump with another branch. Most branches of expressions are
- * two formulas for one curve. */
-static const double JUMPS = 1e-7;
-
-/* The part of the step at which a branch or a switch first wants to be another; 2: none does. Where
- * the wrong one is off by no more than JUMPS up to the step's end it is 1, unless `sharply`. */
-static double changes_at(compiled *c, bool sharply) {
+/* The part of the step at which a branch or a switch first wants to be another; 2: none does. */
+static double changes_at(compiled *c) {
   double low = 0, high = 0.5;
   vs_rodas_dense(&c->r, high, c->between);
-  const bool half_way = vs_equations_choose(&c->e, c->between, true);
-  if (!half_way || !(sharply || vs_equations_would_change(&c->e, c->between, JUMPS))) {
-    low = half_way ? 0 : high;
+  if (!vs_equations_choose(&c->e, c->between, true)) {
+    low = high;
     high = 1;
-    if (!vs_equations_choose(&c->e, c->r.next, true)) return half_way ? 1 : 2;
-    if (!sharply && !vs_equations_would_change(&c->e, c->r.next, JUMPS)) return 1;
+    if (!vs_equations_choose(&c->e, c->r.next, true)) return 2;
   }
   const double sharp = vs_replay_is_on(c->job->steps) ? SHARPEST : SHARP;
   while (high - low > sharp) {
@@ -318,7 +311,10 @@ static double changes_at(compiled *c, bool sharply) {
 }
 
 /* Takes the branches and switches that the last state asks for. Returns whether the equations jump
- * by that. */
+ * by that: by more than JUMPS, A or V. Most branches of expressions are two formulas for one curve.
+ */
+static const double JUMPS = 1e-7;
+
 static bool choose_branches(compiled *c) {
   double *before = c->r.k[0], *behind = c->r.k[1], most = 0;
   if (!vs_equations_choose(&c->e, c->r.y, true)) return false;
@@ -473,7 +469,7 @@ static vs_status step_again(compiled *c, double *taken, bool *jumps, vs_error *e
   if (!step) return lose_steps(c, err);
   if (!(h > 0)) return VS_OK;
   if (!vs_rodas_try(&c->r, h)) return lose_steps(c, err);
-  const double part = changes_at(c, true);
+  const double part = changes_at(c);
   *jumps = part <= 1;
   *taken = step->cut ? fmax(part * h, RESTART_S) : h;
   if (*jumps != step->jumps || (step->cut && !vs_rodas_try(&c->r, *taken)))
@@ -513,7 +509,7 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
       c->failed = true;
       continue;
     }
-    const double part = changes_at(c, false);
+    const double part = changes_at(c);
     vs_circuit_step note = {.length_s = *h, .left_s = c->left_s, .parts = 1, .jumps = part <= 1};
     *jumps = part <= 1;
     *taken = *h;

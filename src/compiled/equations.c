@@ -349,14 +349,6 @@ bool vs_equations_still_asks(vs_equations *e, const double *y) {
   return false;
 }
 
-bool vs_equations_would_change(const vs_equations *e, const double *y, double most) {
-  for (const vs_compiled_device *d = e->device, *end = d + e->devices; d < end; d++)
-    if (d->asks && (d->kind == VS_DEVICE_SWITCH ||
-                    !(fabs(d->factor) * vs_program_change(&d->program, y) <= most)))
-      return true;
-  return false;
-}
-
 /* ---- the pattern ---- */
 
 static void add_place(vs_equations *e, int row, int column) {

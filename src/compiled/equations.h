@@ -119,9 +119,6 @@ bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask);
 /* Does y ask for another branch or state of one of those devices that asked for one the last time?
  */
 bool vs_equations_still_asks(vs_equations *e, const double *y);
-/* Do those that y asks for of these devices change f there by more than `most`, A or V? So does any
- * switch, and a slope that jumps. */
-bool vs_equations_would_change(const vs_equations *e, const double *y, double most);
 /* Does y ask for another branch or state of one of the devices? */
 bool vs_equations_asks(vs_equations *e, int device, const double *y);
 /* Makes its branches those of y, or its switch the other way round. */

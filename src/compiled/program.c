@@ -562,17 +562,3 @@ bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
   }
   return other;
 }
-
-double vs_program_change(const vs_compiled_program *p, const double *y) {
-  vs_program_op due[VS_PROGRAM_OPS];
-  vs_compiled_program other = *p;
-  const double held = vs_program_value(p, y, NULL);
-  other.op = memcpy(due, p->op, (size_t)p->count * sizeof *due);
-  for (int k = 0; k < p->count; k++) {
-    const double branch = is_branch(&due[k]) ? due_branch(p, &due[k], p->value) : NAN;
-    if (due[k].kind <= KINK && due[k].value != 0 && branch != due[k].value) return INFINITY;
-    if (!isnan(branch)) due[k].value = branch;
-    take_forward(&other, k, y);
-  }
-  return fabs(p->value[p->count - 1] - held);
-}

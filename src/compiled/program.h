@@ -54,7 +54,3 @@ double vs_program_value(const vs_compiled_program *program, const double *y, dou
 /* Takes the branches that y asks for. Returns true if one of them is another one than before. With
  * `only_ask` it keeps those that it has. */
 bool vs_program_choose(vs_compiled_program *program, const double *y, bool only_ask);
-
-/* By how much the value at y is another one with the branches that y asks for; INFINITY where the
- * slope jumps between y and where they were chosen. */
-double vs_program_change(const vs_compiled_program *program, const double *y);
