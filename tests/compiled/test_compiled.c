@@ -157,43 +157,6 @@ static void slopes_are_those_of_differences(void) {
   vs_equations_free(&e);
 }
 
-/* Chosen at v(a) = 0, asked at v(a) = 2: a branch is due where `asks`, and f is another there by
- * less than `most` and more than a tenth of it; NAN: a slope jumps on the way. */
-static void a_branch_may_change_next_to_nothing(void) {
-  static const struct {
-    const char *expression;
-    bool asks;
-    double most;
-  } CASES[] = {{"v(a)>1 ? 3 : 3.00000001", true, 2e-8},
-               {"v(a)>1 ? 5 : 3", true, 3},
-               {"v(a)>3 ? 5 : 3", false, 0},
-               {"abs(v(a)-1)", true, NAN},
-               {"abs(v(a)-1)<0.5 ? 5 : 3", false, 0}};
-  for (size_t k = 0; k < sizeof CASES / sizeof *CASES; k++) {
-    vs_text netlist = {0};
-    vs_equations e;
-    vs_error err = {0};
-    double y[16] = {0};
-    vs_text_add(&netlist, "* one\nV1 a 0 2\nB1 q 0 v=%s\nR1 q 0 1\n", CASES[k].expression);
-    vs_status status = make(netlist.text, "", &e, &err);
-    EXPECT(!status, "%s", err.text);
-    if (!status) {
-      const double most = CASES[k].most;
-      vs_equations_choose(&e, y, false);
-      y[vs_equations_signal(&e, "v(a)")] = 2;
-      const bool asks = vs_equations_choose(&e, y, true);
-      EXPECT(asks == CASES[k].asks, "%s", CASES[k].expression);
-      if (asks) {
-        EXPECT(vs_equations_would_change(&e, y, isnan(most) ? 1e9 : most / 10), "%s",
-               CASES[k].expression);
-        EXPECT(isnan(most) || !vs_equations_would_change(&e, y, most), "%s", CASES[k].expression);
-      }
-    }
-    vs_equations_free(&e);
-    vs_text_free(&netlist);
-  }
-}
-
 /* What B source q gives with v(a) = 2, v(b) = -3. */
 static double value_in(const char *dialect, const char *expression) {
   vs_text netlist = {0};
@@ -490,7 +453,6 @@ int main(void) {
       {"a sparse system is solved", a_sparse_system_is_solved},
       {"a singular one names a column", a_singular_one_names_a_column},
       {"slopes are those of differences", slopes_are_those_of_differences},
-      {"a branch may change next to nothing", a_branch_may_change_next_to_nothing},
       {"functions are those of the dialect", functions_are_those_of_the_dialect},
       {"its order is four", its_order_is_four},
       {"products are interpolated as states", products_are_interpolated_as_states},
