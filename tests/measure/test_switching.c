@@ -19,13 +19,13 @@
 static int wrong_behind(vs_gate_watch *g, double *at_s, double edge_s, double first, bool on) {
   int wrong = 0;
   vs_course_step c = {.t0_s = *at_s, .t1_s = edge_s};
-  vs_switching_gate_follow(g, &c);
+  vs_gate_watch_follow(g, c.t0_s, c.t1_s);
   wrong += g->on == on;
   for (double h = first * vs_scene_event_rounding(edge_s); h < 1e-6; h *= 2) {
     c.t0_s = c.t1_s;
     c.t1_s += h;
     if (!(c.t1_s > c.t0_s)) continue;
-    vs_switching_gate_follow(g, &c);
+    vs_gate_watch_follow(g, c.t0_s, c.t1_s);
     wrong += g->on != on;
   }
   *at_s = c.t1_s;
@@ -45,7 +45,7 @@ static void short_steps_behind_an_edge(void) {
     for (double first = 0.1; first < 8; first *= 1.3) {
       vs_gate_watch g;
       double at_s = 0;
-      vs_switching_gate_begin(&g, line, &(vs_gates){{0}, 1});
+      vs_gate_watch_begin(&g, line, &(vs_gates){{0}, 1});
       for (int pulse = 0; pulse < 3; pulse++) {
         double rise_s = vs_gate_edge(line, 0, at_s), fall_s = vs_gate_edge(line, 0, rise_s);
         EXPECT(!wrong_behind(&g, &at_s, rise_s, first, true), "%s, %g: on", angle, first);

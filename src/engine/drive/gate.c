@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "engine/events.h"
 #include "engine/firing.h"
 
 /* ---- the train ---- */
@@ -187,4 +188,35 @@ double vs_gate_next_conduction(const vs_timeline *t, double t_s) {
     double zero = from + (2 * M_PI - phase) / t->omega_rad_s;
     if (zero < to) return zero;
   }
+}
+
+/* ---- what a watcher sees of it ---- */
+
+void vs_gate_watch_begin(vs_gate_watch *g, const vs_timeline *timeline, const vs_gates *gates) {
+  *g = (vs_gate_watch){
+      .timeline = timeline, .gates = *gates, .edge_s = -INFINITY, .off_since_s = -INFINITY};
+}
+
+void vs_gate_watch_follow(vs_gate_watch *g, double t0_s, double t1_s) {
+  g->begins = g->ended = false;
+  if (!g->gates.count) {
+    g->on = true;
+    return;
+  }
+  if (t1_s < g->edge_s) return;
+  bool was = g->on;
+  double at_s = vs_gate_of_step(t0_s, t1_s);
+  /* an edge that is not told from this instant counts as one to come, so that the next step asks
+   * again */
+  double before_s = at_s - 3 * vs_scene_event_rounding(at_s);
+  g->on = false;
+  /* an event may add a pulse; a pulse that a control has not decided yet is not known */
+  g->edge_s = fmin(vs_events_edge(&g->timeline->events, before_s), vs_firing_known_s(g->timeline));
+  for (size_t k = 0; k < g->gates.count; k++) {
+    g->on = g->on || vs_gate_is_on(g->timeline, g->gates.rad[k], at_s);
+    g->edge_s = fmin(g->edge_s, vs_gate_edge(g->timeline, g->gates.rad[k], before_s));
+  }
+  g->begins = g->on && !was;
+  g->ended = was && !g->on;
+  if (g->ended) g->off_since_s = t0_s;
 }

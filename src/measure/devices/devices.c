@@ -87,7 +87,7 @@ static void begin_measure(vs_watched *w, vs_reduced *r, const vs_device_measure 
 
 static void begin_shots(shots *s, const vs_frame *frame, const vs_device *d) {
   *s = (shots){.fresh = true, .last_s = -INFINITY};
-  vs_switching_gate_begin(&s->gate, frame->timeline, &d->gates);
+  vs_gate_watch_begin(&s->gate, frame->timeline, &d->gates);
 }
 
 static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *frame,
@@ -214,7 +214,7 @@ static void integrate_part(const vs_course_step *c, double from, double to,
 }
 
 static void follow_shots(const vs_devices *d, vs_watched *w, shots *s, const vs_course_step *c) {
-  vs_switching_gate_follow(&s->gate, c);
+  vs_gate_watch_follow(&s->gate, c->t0_s, c->t1_s);
   s->fresh = s->fresh || s->gate.begins;
   if (!c->on || c->was_on) return;
   bool gated = s->gate.on && s->gate.gates.count;

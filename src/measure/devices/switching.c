@@ -6,8 +6,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "engine/events.h"
-#include "engine/firing.h"
 #include "engine/gate.h"
 #include "netlist/parts.h"
 
@@ -22,35 +20,6 @@ static const double FORWARD_V = 10;
 enum { REST_NONE, REST_NO_REVERSE_YET, REST_REVERSED, REST_FORWARD_AGAIN };
 
 /* ---- gate ---- */
-
-void vs_switching_gate_begin(vs_gate_watch *g, const vs_timeline *timeline, const vs_gates *gates) {
-  *g = (vs_gate_watch){
-      .timeline = timeline, .gates = *gates, .edge_s = -INFINITY, .off_since_s = -INFINITY};
-}
-
-void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
-  g->begins = g->ended = false;
-  if (!g->gates.count) {
-    g->on = true;
-    return;
-  }
-  if (c->t1_s < g->edge_s) return;
-  bool was = g->on;
-  double at_s = vs_gate_of_step(c->t0_s, c->t1_s);
-  /* an edge that is not told from this instant counts as one to come, so that the next step asks
-   * again */
-  double before_s = at_s - 3 * vs_scene_event_rounding(at_s);
-  g->on = false;
-  /* an event may add a pulse; a pulse that a control has not decided yet is not known */
-  g->edge_s = fmin(vs_events_edge(&g->timeline->events, before_s), vs_firing_known_s(g->timeline));
-  for (size_t k = 0; k < g->gates.count; k++) {
-    g->on = g->on || vs_gate_is_on(g->timeline, g->gates.rad[k], at_s);
-    g->edge_s = fmin(g->edge_s, vs_gate_edge(g->timeline, g->gates.rad[k], before_s));
-  }
-  g->begins = g->on && !was;
-  g->ended = was && !g->on;
-  if (g->ended) g->off_since_s = c->t0_s;
-}
 
 /* True while a gate pulse is known to be there. The device is then meant to conduct. */
 static bool is_rise_gated(const vs_switch *s) {
@@ -656,7 +625,7 @@ void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gate
   s->fired_s = s->rose_s = s->tenth_s = s->unanswered_s = s->lost_s = NAN;
   s->stored = (vs_rise_stretch){.took_s = INFINITY};
   s->stored_at_s = -INFINITY;
-  vs_switching_gate_begin(&s->gate, timeline, gates);
+  vs_gate_watch_begin(&s->gate, timeline, gates);
   s->gate.bursts = deck->n_ports && vs_deck_has_port(deck, vs_port_is_burst);
   s->on.window_s =
       vs_parts_turn_on_s(deck, device->part < 0 ? NULL : deck->parts[device->part].file);
@@ -778,7 +747,7 @@ static void follow_switch(vs_switch *s, const vs_course_step *c, vs_switch_news 
   bool was_on = s->conduction.conducts, commutated = s->commutates;
   double off_rate = forward_rate(&s->off, c);
   double on_rate = vs_slope_rate(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
-  vs_switching_gate_follow(&s->gate, c);
+  vs_gate_watch_follow(&s->gate, c->t0_s, c->t1_s);
   follow_switch_current(s, c, news);
   tell_fall(s, c, news);
   follow_gate_pulse(s, c, news);

@@ -245,13 +245,13 @@ typedef struct gate_pulses {
 
 static void prepare_gate(vs_watched *w, vs_reduced *r) {
   gate_pulses *g = r->state;
-  vs_switching_gate_begin(&g->gate, w->timeline, &w->device->gates);
+  vs_gate_watch_begin(&g->gate, w->timeline, &w->device->gates);
 }
 
 static void follow_gate(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   gate_pulses *g = r->state;
   (void)w;
-  vs_switching_gate_follow(&g->gate, c);
+  vs_gate_watch_follow(&g->gate, c->t0_s, c->t1_s);
   if (g->gate.ended) vs_reducer_offer(r, (vs_value){true, g->peak_a, c->t0_s}, true);
   if (g->gate.begins) g->peak_a = 0;
   g->peak_a = fmax(g->peak_a, c->to[VS_OF_I]);

@@ -38,3 +38,19 @@ double vs_gate_burst_edge(const vs_timeline *timeline, double shift_rad, double 
 /* The first instant at or after t at which a pulse of the train meets forward mains voltage, events
  * left aside; INFINITY: never. With events: vs_wave_conduction. */
 double vs_gate_next_conduction(const vs_timeline *timeline, double t_s);
+
+/* The gate pulses of a device. Their edges are ends of steps. */
+typedef struct vs_gate_watch {
+  const vs_timeline *timeline;
+  vs_gates gates; /* whose pulses they are; none: nothing is known of its gate, which then counts
+                     as always on */
+  bool on;        /* there is a pulse in the step last followed */
+  bool begins, ended; /* a pulse began, or ended, at that step's beginning */
+  bool bursts;        /* its pulses are filled with sub-pulses, by the deck's port burst */
+  double edge_s;      /* instant of the next edge */
+  double off_since_s; /* end of the last pulse; -INFINITY: there was none */
+} vs_gate_watch;
+/* gates: as in the struct, which copies them. */
+void vs_gate_watch_begin(vs_gate_watch *gate, const vs_timeline *timeline, const vs_gates *gates);
+/* Takes the next step, from t0_s to t1_s. */
+void vs_gate_watch_follow(vs_gate_watch *gate, double t0_s, double t1_s);

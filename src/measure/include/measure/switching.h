@@ -50,6 +50,7 @@
 
 #include "engine/batch.h"
 #include "engine/conduction.h"
+#include "engine/gate.h"
 #include "measure/extremes.h"
 #include "measure/slope.h"
 #include "netlist/devices.h"
@@ -69,23 +70,6 @@ typedef struct vs_courses {
   vs_pair of[VS_COURSES][VS_BATCH_STEPS];  /* V.s: of a device that has it */
   double more[VS_COURSES][VS_BATCH_STEPS]; /* from VS_OF_V on */
 } vs_courses;
-
-/* The gate pulses of a device. Their edges are ends of steps. */
-typedef struct vs_gate_watch {
-  const vs_timeline *timeline;
-  vs_gates gates; /* whose pulses they are; none: nothing is known of its gate, which then counts
-                     as always on */
-  bool on;        /* there is a pulse in the step last followed */
-  bool begins, ended; /* a pulse began, or ended, at that step's beginning */
-  bool bursts;        /* its pulses are filled with sub-pulses, by the deck's port burst */
-  double edge_s;      /* instant of the next edge */
-  double off_since_s; /* end of the last pulse; -INFINITY: there was none */
-} vs_gate_watch;
-/* gates: as in the struct, which copies them. */
-void vs_switching_gate_begin(vs_gate_watch *gate, const vs_timeline *timeline,
-                             const vs_gates *gates);
-/* Takes the next step. */
-void vs_switching_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
 
 /* A stretch of a rise, over which a mean rate is told. */
 typedef struct vs_rise_stretch {
