@@ -495,7 +495,9 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c, vs_switch_n
     break;
   default:
     /* while it rests after a conduction the voltage at which that began is still asked for */
-    if (!s->conduction.conducts && (s->rest == REST_NONE || s->rest == REST_FORWARD_AGAIN))
+    if (s->conduction.conducts) break;
+    s->leaked_v = c->to[VS_OF_I] < QUIET_A ? 0 : fmax(s->leaked_v, c->from[VS_OF_V]);
+    if (s->rest == REST_NONE || s->rest == REST_FORWARD_AGAIN)
       follow_fired_v(s, c, s->conduction.foot_s);
   }
 }
@@ -607,10 +609,31 @@ static void judge_firing(vs_switch *s, vs_switch_news *news) {
   s->rest = REST_NONE;
 }
 
+/* The half cycle of the mains at t_s, from 0. */
+static double half_cycle(const vs_switch *s, double t_s) {
+  return floor(2 * t_s / s->gate.timeline->period_s);
+}
+
+/* A gate pulse of a triac that begins and ends while the current of the half cycle before flows is
+ * lost if the device then blocks. With each second pulse lost, it conducts in one direction. */
+static void follow_lost_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  const bool conducts = s->conduction.conducts;
+  if (s->gate.begins)
+    s->lost_s = s->both_ways && conducts && half_cycle(s, s->fired_s) < half_cycle(s, c->t0_s)
+                    ? c->t0_s
+                    : NAN;
+  if (s->fired_s > s->lost_s) s->lost_s = NAN;
+  if (isnan(s->lost_s) || s->gate.on || conducts || !(c->to[VS_OF_V] > FORWARD_V)) return;
+  news->misfire = (vs_value){true, 1, s->lost_s};
+  news->lost = true;
+  s->lost_s = NAN;
+}
+
 /* Follows whether the device answers its gate pulses. A pulse that found forward voltage and has
  * ended is unanswered; as long as a small current flows, though, it may still have been answered.
  */
 static void follow_gate_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  follow_lost_pulse(s, c, news);
   if (s->gate.begins) s->forward = s->conducted = false;
   if (s->gate.on) {
     s->conducted = s->conducted || s->conduction.conducts;
@@ -630,7 +653,7 @@ void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gate
   s->both_ways = device->kind->both_ways;
   s->way = 1;
   s->t_q_s = INFINITY;
-  s->fired_s = s->rose_s = s->tenth_s = s->unanswered_s = NAN;
+  s->fired_s = s->rose_s = s->tenth_s = s->unanswered_s = s->lost_s = NAN;
   s->stored = (vs_rise_stretch){.took_s = INFINITY};
   s->stored_at_s = -INFINITY;
   vs_switching_gate_begin(&s->gate, timeline, gates);
@@ -730,7 +753,7 @@ static void tell_fired(vs_switch *s, bool commutated, vs_switch_news *news) {
   vs_rise_stretch by = drive_of(&s->rise);
   bool stored = s->fired_s - s->stored_at_s <= stores_s(s);
   if (stored && rate_of(&s->stored) > rate_of(&by)) by = s->stored;
-  news->fired_v = s->fired_v;
+  news->fired_v = fmax(s->fired_v, s->leaked_v);
   news->fired_rate = rate_of(&by);
   news->fired_over_v = by.over_v;
   s->stored_at_s = -INFINITY;

@@ -110,8 +110,9 @@ static void take_misfire(const vs_watched *w, vs_reduced *r, const vs_switch_new
   char *cause = vs_reducer_happens(r, news->misfire.at_s);
   if (cause)
     snprintf(cause, VS_CAUSE_SIZE, "%s",
-             news->unlatched ? "its current did not reach latching"
-                             : "no current followed its gate pulse");
+             news->lost        ? "the last half cycle's current outlasted its gate pulse"
+             : news->unlatched ? "its current did not reach latching"
+                               : "no current followed its gate pulse");
 }
 
 /* Whether a pulse that the run's end cuts off is answered is not known; that of an orbit goes on at

@@ -6,7 +6,9 @@
  *   misfire                a gate pulse under forward voltage (10 V or more) has ended and the
  *                          device did not conduct; or the device did not latch: it went out within
  *                          ten t_q of the end of its pulse, and without a reverse voltage
- *                          in between fell back to half of the forward voltage it had fired from
+ *                          in between fell back to half of the forward voltage it had fired from;
+ *                          or, of a triac, the pulse began and ended under the current of the half
+ *                          cycle before, and the device then blocked
  *   unintended firing      the device's current begins outside any gate pulse
  *   time offered           from the zero of the current to the return of forward voltage, which
  *                          then goes on to 10 V or fires the device; where
@@ -179,6 +181,7 @@ typedef struct vs_switch_news {
   vs_value misfire, unintended; /* only their instants mean anything */
   bool commutation_failure;     /* the unintended firing is one */
   bool unlatched;               /* the misfire: a current flowed, and did not latch */
+  bool lost; /* the misfire: the pulse ended before the current of the half cycle before did */
   /* Of the firing that the step told, if it did: the steepest rate of the rise that ended in it, or
    * of one that ended no longer before than the part's t_q (150 us where that is not known) if it
    * was steeper, V/s, over fired_over_v; 0 where the voltage did not rise. And the forward voltage
@@ -192,16 +195,17 @@ typedef struct vs_switch {
   double way;     /* +1 in a positive half cycle, -1 in a negative one */
   double t_q_s;   /* of the part; INFINITY, as at the beginning: not known */
   vs_conduction conduction;
-  bool by_gate;       /* the present or last conduction began with a gate pulse */
-  bool turning_on;    /* the current has not come to its first maximum, or fired 1 us ago or less */
-  double fired_s;     /* when it last fired; NaN: it has not fired yet */
-  double fired_v;     /* the forward voltage it fired from */
-  double rose_s;      /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */
-  double tenth_s;     /* since when the current is below a tenth of its peak; NaN: it is not */
-  vs_fall fall;       /* of a device that conducts both ways */
-  vs_value fell;      /* how the last conduction ended, as long as it is not told: (di/dt)c */
-  bool fell_last;     /* of that the rate over vs_slope_fall_s */
-  bool commutates;    /* it blocks, and a conduction's charge may still be there */
+  bool by_gate;    /* the present or last conduction began with a gate pulse */
+  bool turning_on; /* the current has not come to its first maximum, or fired 1 us ago or less */
+  double fired_s;  /* when it last fired; NaN: it has not fired yet */
+  double fired_v;  /* the forward voltage it fired from */
+  double leaked_v; /* the highest one since it leaks more than 1 mA, as it does at its breakover */
+  double rose_s;   /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */
+  double tenth_s;  /* since when the current is below a tenth of its peak; NaN: it is not */
+  vs_fall fall;    /* of a device that conducts both ways */
+  vs_value fell;   /* how the last conduction ended, as long as it is not told: (di/dt)c */
+  bool fell_last;  /* of that the rate over vs_slope_fall_s */
+  bool commutates; /* it blocks, and a conduction's charge may still be there */
   double returned_v;  /* how high the highest rise since then was that was told */
   bool latched;       /* the last conduction went on without its gate */
   double pulse_end_a; /* its current as its last gate pulse ended */
@@ -209,10 +213,12 @@ typedef struct vs_switch {
   int rest;           /* what its voltage did since then: REST_... of switching.c */
   double offered_s;   /* the time that its circuit offered it to rest */
   bool offers;        /* forward voltage has returned, but has not come to 10 V yet, nor fired it */
-  vs_switch_news offer;   /* what is then told of that time */
-  bool forward;           /* in the present gate pulse it had forward voltage */
-  bool conducted;         /* in the present gate pulse it conducted */
-  double unanswered_s;    /* end of a gate pulse that may have failed; NaN: there is none */
+  vs_switch_news offer; /* what is then told of that time */
+  bool forward;         /* in the present gate pulse it had forward voltage */
+  bool conducted;       /* in the present gate pulse it conducted */
+  double unanswered_s;  /* end of a gate pulse that may have failed; NaN: there is none */
+  double
+      lost_s; /* beginning of one under the current of the half cycle before; NaN: there is none */
   vs_rise_stretch stored; /* steepest stretch of a rise that ended before, while it blocked */
   double stored_at_s; /* when that rise ended; -INFINITY: there was none since the last firing */
   vs_slope off, on;   /* rates of its forward voltage and of its current, followed all the time */
