@@ -61,6 +61,25 @@ static void expect_places(const char *file, const char *text, const char *places
 
 /* ---- scenes ---- */
 
+/* What a machine that cannot be read would have is not called unknown. */
+static void names_of_a_broken_machine(void) {
+  write_file("broken.yaml",
+             "coordinates: {s: {unit: m}}\nmass: 1 kg\nstiffness: 1 kg\n"
+             "gap: {along: {s: 1}}\nactuator: {gap: 1 mm, pole_cover: 1 mm, inductance: 1 H, "
+             "resistance: 1 ohm, stop: {stiffness: 1e7 N/m}}\n");
+  write_file("s.yaml",
+             "machine: {model: broken.yaml}\nsupply: {kind: step}\nfiring: {valve: none}\n"
+             "record: [s]\nratings: {release: .. 16 ms}\n");
+  ran r = run("check s.yaml --no-jail");
+  EXPECT(r.status == 2 &&
+             !strcmp(r.err, "broken.yaml:3:12: stiffness of s, s: the formula is in kg; "
+                            "wanted: N/m\n stiffness: 1 kg\n            ^\n"),
+         "%d %s", r.status, r.err);
+  free_ran(&r);
+  remove("broken.yaml");
+  remove("s.yaml");
+}
+
 static void all_that_is_wrong_with_a_scene(void) {
   FINDINGS(
       "s.yaml",
@@ -702,6 +721,7 @@ static const vs_test TESTS[] = {
     {"too many rows are an error", too_many_rows_are_an_error},
     {"a hundred are enough", a_hundred_are_enough},
     {"all that is wrong with a deck", all_that_is_wrong_with_a_deck},
+    {"names of a broken machine", names_of_a_broken_machine},
     {"what does not fit together", what_does_not_fit_together},
     {"what ngspice refuses", what_ngspice_refuses},
     {"a scene with its deck", a_scene_with_its_deck},

@@ -457,6 +457,33 @@ static void left_out(void) {
   write_world();
 }
 
+/* The least margin of all lines is told where it is a rating's, and a scene that is written names a
+ * table's row by the whole path. */
+static void margin_of_a_rating(void) {
+  char text[2048];
+  write_file("t.tab",
+             "*$ part thyristor \"a resistor, @NAME@\"\n*$ limit v_drm = @v@ V\n"
+             "*$ limit v_rrm = @v@ V\n*$ limit i_t_rms = 12 A\n.subckt @SUBCKT@ a k g\n"
+             "Rg g k 1k\nBk a k I=v(a,k)*v(g,k)*20m\n.ends @SUBCKT@\n*$ rows NAME v\nt12 1200\n");
+  snprintf(text, sizeof text, "%st.tab#t12,thyristor,0.2,1,\n", SIZES);
+  write_file("p.csv", text);
+  snprintf(text, sizeof text, "%sratings: {v_ak: -1 kV .. 650 V}\n", SCENE);
+  write_file("s.yaml", text);
+  write_design(", parts: [t.tab#t12]", "proof: {neighbours: false}\n");
+  ran r = run("design d.yaml -o rated --overwrite");
+  EXPECT(strstr(r.out, "\nof all lines, also of other parts and of ratings ") &&
+             strstr(r.out, " v_ak  "),
+         "%s%s", r.out, r.err);
+  free_ran(&r);
+  char *json = read_file("rated/design.json"), path[64];
+  snprintf(path, sizeof path, "rated/cases/%d.yaml", (int)number_in(json, "case"));
+  char *yaml = read_file(path);
+  EXPECT(strstr(yaml, "\"thyristor\": \"/") && strstr(yaml, "/t.tab#t12\""), "%s", yaml);
+  free(json);
+  free(yaml);
+  write_world();
+}
+
 /* A spread of what is chosen is a tolerance of the value at hand, whatever the scene's own one. */
 static void tolerances(void) {
   write_design(", parts: [g1200.inc]", "spread: {circuit.r1: 10 % uniform}\n"
@@ -718,6 +745,7 @@ int main(void) {
                                   {"search finds", search_finds},
                                   {"left out", left_out},
                                   {"tolerances", tolerances},
+                                  {"margin of a rating", margin_of_a_rating},
                                   {"threats beside operation", threats_beside_operation},
                                   {"not judged", not_judged},
                                   {"happened", happened},

@@ -21,9 +21,10 @@ typedef struct answer {
   const char *folder;
   const vs_design_candidate *best; /* the answer; where the budget was spent without one, what came
                                       nearest; NULL: there is none */
-  vs_design_mark least[VS_DESIGN_CHOICES]; /* of the best, of the lines of each choice's devices;
-                                              run UINT64_MAX: no line is theirs */
-  uint64_t *scene;                         /* [n_scenes]: runs whose scenes are written */
+  /* Of the best, of the lines of each choice's devices; run UINT64_MAX: no line is theirs. The
+   * last: of all lines. */
+  vs_design_mark least[VS_DESIGN_CHOICES + 1];
+  uint64_t *scene; /* [n_scenes]: runs whose scenes are written */
   size_t n_scenes;
   size_t unjudged;        /* candidates below the answer's price that could not be judged */
   size_t cheaper;         /* candidates that cost less than the answer */
@@ -32,19 +33,15 @@ typedef struct answer {
 
 /* ---- the least margin of each part ---- */
 
-static void take_least(vs_design_mark *least, vs_design_mark mark) {
-  if (!isfinite(mark.margin)) return;
-  if (least->run == UINT64_MAX ||
-      vs_hold_is_weaker(mark.margin, mark.error, least->margin, least->error))
-    *least = mark;
-}
-
 /* Takes a run of the answer: each line of it belongs to a choice, or to none. */
 static void take_run_of_answer(answer *a, uint64_t number, uint64_t run) {
   const vs_design *d = a->d;
   const char *not_judged = a->results->words[run * VS_RESULT_WORDS + VS_RESULT_NOT_JUDGED];
   const vs_hold_row whole = vs_design_search_judge(&a->s, run);
   vs_hold_word came[2];
+  if (whole.weakest != SIZE_MAX)
+    vs_design_search_least(&a->least[d->n_choices],
+                           (vs_design_mark){number, run, whole.weakest, whole.margin, whole.error});
   a->without_error += whole.weakest != SIZE_MAX && isnan(whole.error);
   for (size_t k = 0; k < d->hold.count; k++) {
     vs_hold_row row = VS_HOLD_ROW;
@@ -58,7 +55,8 @@ static void take_run_of_answer(answer *a, uint64_t number, uint64_t run) {
     for (size_t c = 0; c < d->n_choices; c++)
       if (vs_design_choices_makes_line(&d->choice[c], &a->plan->first->setup.deck,
                                        d->hold.line[k].name))
-        take_least(&a->least[c], (vs_design_mark){number, run, k, row.margin, row.error});
+        vs_design_search_least(&a->least[c],
+                               (vs_design_mark){number, run, k, row.margin, row.error});
   }
 }
 
@@ -84,14 +82,14 @@ static void take_class(answer *a, size_t choice, const vs_design_class *class,
     mark.line = c->line[l];
     mark.margin = row.margin;
     mark.error = NAN;
-    if (row.weakest != SIZE_MAX) take_least(least, mark);
+    if (row.weakest != SIZE_MAX) vs_design_search_least(least, mark);
   }
 }
 
 static void find_margins(answer *a) {
   const vs_design_search *s = &a->s;
   const vs_design_candidate *best = a->best;
-  for (size_t c = 0; c < a->d->n_choices; c++) a->least[c].run = UINT64_MAX;
+  for (size_t c = 0; c <= a->d->n_choices; c++) a->least[c].run = UINT64_MAX;
   if (!best) return;
   for (size_t k = 0; k < s->n_list; k++)
     if (k < best->room && best->run[k]) take_run_of_answer(a, s->list[k], best->run[k] - 1);
@@ -537,34 +535,35 @@ static void add_cell(vs_text *line, const char *text, size_t width) {
   vs_text_add(line, "%-*s  ", (int)width, text);
 }
 
+/* A margin, whose it is and under what. */
+static void add_mark(const answer *a, const vs_design_mark *mark, vs_text *line) {
+  vs_text text = {0};
+  double margin;
+  add_margin(mark->margin, mark->error, &text);
+  add_cell(line, text.text, 18);
+  add_cell(line, line_name(a, mark, &margin), 22);
+  add_case(a, mark, line);
+  vs_text_add(line, " (%s, case %llu)\n", vs_design_search_found_by(&a->s, mark->number),
+              (unsigned long long)mark->run);
+  vs_text_free(&text);
+}
+
 static void add_choice_row(const answer *a, size_t c, vs_text *line) {
   const vs_design_class *class = class_of(a->d, a->best, c);
   const vs_design_mark *least = &a->least[c];
   vs_text text = {0};
-  char number[64];
-  double margin;
   add_option(a, a->best, c, &text);
   if (strcmp(text.text, vs_design_choices_part(a->d, class)) != 0)
     vs_text_add(&text, " (%s)", vs_design_choices_part(a->d, class));
   add_cell(line, a->d->choice[c].node->key, 20);
   add_cell(line, text.text, 22);
-  snprintf(number, sizeof number, "%d", a->d->choice[c].number);
-  add_cell(line, number, 3);
-  snprintf(number, sizeof number, "%.6g", class->price);
-  add_cell(line, number, 7);
-  text.length = 0;
+  vs_text_add(line, "%-3d  %-7.6g  ", a->d->choice[c].number, class->price);
   if (least->run == UINT64_MAX) {
     add_cell(line, "-", 18);
-    vs_text_add(line, class->row == VS_DESIGN_NONE ? "left out" : "no limit of it is judged");
+    vs_text_add(line, class->row == VS_DESIGN_NONE ? "left out\n" : "no limit of it is judged\n");
   } else {
-    add_margin(least->margin, least->error, &text);
-    add_cell(line, text.text, 18);
-    add_cell(line, line_name(a, least, &margin), 22);
-    add_case(a, least, line);
-    vs_text_add(line, " (%s, case %llu)", vs_design_search_found_by(&a->s, least->number),
-                (unsigned long long)least->run);
+    add_mark(a, least, line);
   }
-  vs_text_add(line, "\n");
   vs_text_free(&text);
 }
 
@@ -671,7 +670,15 @@ static void add_choices(const answer *a, vs_text *text) {
                 100 * a->d->hold.margin);
   vs_text_add(text, "\n%-20s  %-22s  %-3s  %-7s  %-18s  %-22s  %s\n", "choice", "part", "no.",
               "each", "least margin", "whose", "under");
-  for (size_t c = 0; c < a->d->n_choices; c++) add_choice_row(a, c, text);
+  const vs_design_mark *all = &a->least[a->d->n_choices];
+  bool told = all->run == UINT64_MAX;
+  for (size_t c = 0; c < a->d->n_choices; c++) {
+    add_choice_row(a, c, text);
+    told = told || (a->least[c].run == all->run && a->least[c].line == all->line);
+  }
+  if (told) return;
+  vs_text_add(text, "%-58s  ", "of all lines, also of other parts and of ratings");
+  add_mark(a, all, text);
 }
 
 /* What came nearest as the budget was spent, and what stands against it. */

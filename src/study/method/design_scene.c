@@ -12,22 +12,30 @@
 #include "base/path.h"
 
 /* Adds a text in double quotes, which YAML reads as JSON has it. One that names a file beside the
- * one that it stands in, or in the working folder, becomes the file's whole path. */
+ * one that it stands in, or in the working folder, becomes the file's whole path, also with a row
+ * of a table behind it: FILE#NAME. */
 static void add_word(const vs_node *node, vs_text *text) {
   char path[2 * VS_PATH_SIZE];
   const char *file = node->where.file, *slash = file ? strrchr(file, '/') : NULL;
+  const char *row = strchr(node->text, '#');
+  const int length = row ? (int)(row - node->text) : (int)strlen(node->text);
   char *whole = NULL;
   if (strchr(node->text, '.') && *node->text != '/') {
-    snprintf(path, sizeof path, "%.*s%s", slash ? (int)(slash + 1 - file) : 0, slash ? file : "",
-             node->text);
+    const int n =
+        snprintf(path, sizeof path, "%.*s", slash ? (int)(slash + 1 - file) : 0, slash ? file : "");
+    if (n < (int)sizeof path)
+      snprintf(path + n, sizeof path - (size_t)n, "%.*s", length, node->text);
     whole = realpath(path, NULL);
-    if (!whole) whole = realpath(node->text, NULL);
+    if (!whole && n < (int)sizeof path) whole = realpath(path + n, NULL);
   }
   if (whole && access(whole, R_OK)) {
     free(whole);
     whole = NULL;
   }
-  vs_json_string(text, whole ? whole : node->text);
+  vs_text named = {0};
+  vs_text_add(&named, "%s%s", whole ? whole : node->text, whole && row ? row : "");
+  vs_json_string(text, named.text);
+  vs_text_free(&named);
   free(whole);
 }
 

@@ -688,3 +688,10 @@ void vs_design_search_free(vs_design_search *s) {
   free(s->found);
   free(s->worst);
 }
+
+void vs_design_search_least(vs_design_mark *least, vs_design_mark mark) {
+  if (!isfinite(mark.margin)) return;
+  if (least->run == UINT64_MAX ||
+      vs_hold_is_weaker(mark.margin, mark.error, least->margin, least->error))
+    *least = mark;
+}

@@ -109,3 +109,6 @@ double vs_design_search_bound(const vs_design_search *search);
 /* Where the budget was spent without an answer the candidate that came nearest to one; NULL: all
  * were looked at, or none was begun. */
 const vs_design_candidate *vs_design_search_nearest(const vs_design_search *search);
+
+/* Takes a mark with a weaker margin than `least`, of which run UINT64_MAX: there is none yet. */
+void vs_design_search_least(vs_design_mark *least, vs_design_mark mark);
