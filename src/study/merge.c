@@ -144,6 +144,7 @@ static vs_status say_merged(const vs_journals *all, const vs_judge *judge,
            "written: %s in %s\n",
            (size_t)all->count, done, failed, violated, o->format->written, folder);
   if (!o->quiet) vs_judge_say(judge, all->cases, stdout);
+  if (!o->quiet) vs_publish_warn(all);
   const vs_status judged = vs_judge_result(judge, err);
   if (judged) return judged;
   if (failed)

@@ -744,6 +744,7 @@ static vs_status write_result(session *s, vs_error *err) {
   vs_platform_json(&s->journal.bits, &json);
   const vs_journals all = {&s->journal, 1, s->count, more.text};
   vs_status status = vs_publish_write(&all, s->o->format, s->folder, err);
+  if (!status && !s->o->quiet && !s->o->progress_json) vs_publish_warn(&all);
   vs_text_free(&more);
   signal(SIGPIPE, before);
   return status;
