@@ -250,11 +250,13 @@ static vs_status look_for_unbuilt(result *r, bool failed, char *row, vs_error *e
 void vs_publish_warn(const vs_journals *all) {
   result r = {0};
   vs_error none = {0};
+  const vs_journal_head_counts counts = vs_publish_count(all);
   if (!each_row(all, look_for_unbuilt, &r, &none) && r.lacking)
     fprintf(stderr,
             "vibrospice: warning: %llu of %llu cases ran without something of their scene, as "
             "%s (column warnings)\n",
-            (unsigned long long)r.lacking, (unsigned long long)all->cases, r.first.text);
+            (unsigned long long)r.lacking, (unsigned long long)(counts.done + counts.failed),
+            r.first.text);
   vs_text_free(&r.first);
 }
 
