@@ -610,6 +610,30 @@ static void a_search_tells_what_was_not_built(void) {
   remove_tree("late");
 }
 
+/* A current rated at what it is in the first case: its margin is less than its error. At the second
+ * angle it is larger, at the third smaller. */
+static void violated_and_undecided_are_told_apart(void) {
+  static const char TEXT[] =
+      "set: {run: {until: 15 ms, tier: compiled, verify: always}, ratings: {i_peak: .. %.12g A}}\n"
+      "vary: {firing.angle: [100 deg, 90 deg, 110 deg]}\n"
+      "report: [i_peak]\n";
+  double peak_a = 10;
+  for (int rated = 0; rated < 2; rated++) {
+    char text[512];
+    snprintf(text, sizeof text, TEXT, peak_a);
+    write_file("s.yaml", text);
+    ran r = run("study s.yaml --quiet --jobs 1 --overwrite -o rated");
+    CU_ASSERT_EQUAL(r.status, rated ? VS_RATING : VS_OK);
+    EXPECT(!rated || strstr(r.err, ": a rating is violated in 1, undecided in 1 of 3 cases\n"),
+           "%s", r.err);
+    free_ran(&r);
+    char *rows = read_file("rated/study.csv"), *first = strchr(rows, '\n');
+    EXPECT(first && sscanf(first, "\n0,%*[^,],100,%lf,", &peak_a) == 1, "%s", rows);
+    free(rows);
+  }
+  remove_tree("rated");
+}
+
 /* One process or two, at once or in two goes: the same bytes. The largest force is where it fires
  * earliest, at the most voltage, with the least inductance, as Eq. 91 has it. */
 static void a_search_does_not_depend_on_who_runs_it(void) {
@@ -707,6 +731,7 @@ static const vs_test TESTS[] = {
     {"only what holds is run over the spread", spreads_are_run_for_what_holds},
     {"no snubber holds", no_snubber_holds},
     {"what is refused", refused},
+    {"violated and undecided are told apart", violated_and_undecided_are_told_apart},
     {"the worst case: what was not built", a_search_tells_what_was_not_built},
     {"a search: one process, two, and in two goes", a_search_does_not_depend_on_who_runs_it},
     {"--set sample.n", n_from_the_command_line},
