@@ -104,6 +104,20 @@ static void print_heat(void) {
       "held against the part's t_j_max. More: docs/power.md.");
 }
 
+static void print_find(void) {
+  puts("find: the worst value of a measure over all that a study varies, as in this study file:\n"
+       "scene: paper\n"
+       "set: {run.until: 60 ms, events: {surge1: {kind: surge, cycle: 2}}}\n"
+       "vary: {events.surge1.angle: {from: 0 deg, to: 360 deg}}\n"
+       "find: {worst: max thyristor.v_forward, n: 100, restarts: 8, seed: 7, finest: 0.1 %}\n"
+       "A range is searched whole, a list only at its values. Keys besides worst may be left out:\n"
+       "  n         cases at most (100 for each axis)\n"
+       "  restarts  local searches, each from another place, which share them (8)\n"
+       "  seed      of the places where it begins\n"
+       "  finest    part of each axis: a search ends when its steps are shorter (0.1 %)\n"
+       "More: docs/studies.md.");
+}
+
 static const struct topic {
   const char *name, *text;
   void (*print)(void);
@@ -115,6 +129,7 @@ static const struct topic {
            {"waive", "key of a scene: limits that the verdict leaves out", print_waive},
            {"spread", "key of a scene: what is not known exactly", print_spread},
            {"ratings", "section of a scene: what you allow of measures and probes", print_ratings},
+           {"find", "section of a study: the worst case, with an example", print_find},
            {"ambient", "key of a scene: the air around a circuit's devices", print_heat},
            {"heatsink", "key of a scene: what cools devices", print_heat}};
 enum { N_OWN = sizeof OWN / sizeof *OWN };

@@ -281,12 +281,13 @@ static void print_json(const judge *j) {
 
 /* How it ends: cases that failed could not be judged. */
 static vs_status end_judge(const judge *j, vs_error *err) {
-  const size_t broken = j->count[1][VS_HOLD_VIOLATED] + j->count[1][VS_HOLD_UNDECIDED];
+  const size_t violated = j->count[1][VS_HOLD_VIOLATED], undecided = j->count[1][VS_HOLD_UNDECIDED];
   if (j->folder.failed)
     return vs_fail(err, VS_RUN, "%ld cases had failed, and could not be judged", j->folder.failed);
-  return broken ? vs_fail(err, VS_RATING, "a rating is violated or undecided in %zu of %zu cases",
-                          broken, j->cases)
-                : VS_OK;
+  return violated + undecided
+             ? vs_fail(err, VS_RATING, "a rating is violated in %zu, undecided in %zu of %zu cases",
+                       violated, undecided, j->cases)
+             : VS_OK;
 }
 
 static vs_status judge_folder(judge *j, const vs_arguments *a, vs_error *err) {

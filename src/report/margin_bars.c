@@ -175,12 +175,20 @@ static void write_label(const bar *b, vs_text *out) {
   vs_text_add(out, ", %s", b->word);
 }
 
-/* "7 more above 94 %": the least margin of the lines without a bar, rounded down */
+/* "7 more: 2 waived, the rest above 94 %": the least margin of the lines without a bar that are
+ * judged, rounded down */
 static void write_rest(const bar *rest, size_t count, vs_text *out) {
   double least = INFINITY;
-  for (size_t k = 0; k < count; k++) least = fmin(least, rest[k].margin);
+  size_t waived = 0;
+  for (size_t k = 0; k < count; k++)
+    if (rest[k].rank == WAIVED)
+      waived++;
+    else
+      least = fmin(least, rest[k].margin);
   vs_text_add(out, "%zu more", count);
-  if (isfinite(least)) vs_text_add(out, " above %.0f %%", fmin(floor(100 * least), 100));
+  if (waived) vs_text_add(out, waived < count ? ": %zu waived" : ", waived", waived);
+  if (isfinite(least))
+    vs_text_add(out, "%s above %.0f %%", waived ? ", the rest" : "", fmin(floor(100 * least), 100));
 }
 
 /* ---- the title ---- */

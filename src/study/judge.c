@@ -8,6 +8,7 @@
 #include "base/alloc.h"
 #include "base/csv.h"
 #include "run/session.h"
+#include "study/hold.h"
 #include "study/random.h"
 
 /* ---- which studies ---- */
@@ -364,4 +365,47 @@ vs_status vs_judge_result(const vs_judge *judge, vs_error *err) {
       "%zu of %zu judged cases; run.tier: %s runs all of them in ngspice",
       (unsigned long long)c->index, c->name, own, ngspice, c->difference, c->told, judge->beyond,
       judge->count, vs_tiers_circuit());
+}
+
+/* ---- the limits ---- */
+
+/* What a row comes to. A line that is violated for certain is its weakest, whose margin it has. */
+static vs_hold_word word_of_row(char **cell, const size_t at[VS_ROLES]) {
+  vs_hold_line weakest = {.name = "", .unit = "", .part = 1};
+  const vs_hold hold = {.line = &weakest, .count = 1};
+  vs_hold_word came[2] = {VS_HOLD_HELD};
+  vs_hold_row row = VS_HOLD_ROW;
+  row.happened = cell[at[VS_ROLE_HAPPENED]];
+  const double margin = number_of(cell[at[VS_ROLE_MARGIN]]);
+  if (!isnan(margin))
+    vs_hold_judge(&hold, 0, margin, number_of(cell[at[VS_ROLE_ERROR]]), "", &row, came);
+  vs_hold_happened(&hold, &row);
+  vs_hold_rest(&hold, atoi(cell[at[VS_ROLE_STATUS]]) != VS_OK, cell[at[VS_ROLE_WARNINGS]], &row);
+  return row.stored;
+}
+
+vs_status vs_judge_ratings(const vs_journals *all, vs_error *err) {
+  vs_row_shape *shape = shape_of(all);
+  const size_t columns = vs_row_shape_columns(shape);
+  char **cell = vs_alloc(columns, sizeof *cell);
+  unsigned long long count[VS_HOLD_UNDECIDED + 1] = {0};
+  size_t at[VS_ROLES];
+  for (int r = 0; r < VS_ROLES; r++) at[r] = column_of(shape, (vs_folder_role)r);
+  vs_text row = {0};
+  vs_status status = VS_OK;
+  for (uint64_t k = 0; k < all->cases && !status; k++) {
+    const vs_journal *j = journal_of(all, k);
+    bool failed = false;
+    if (!vs_journal_had(j, k) || !vs_journal_has(j, k)) continue;
+    status = vs_journal_row(j, k, &row, &failed, err);
+    if (status || failed || vs_csv_split(row.text, cell, columns, NULL) < columns) continue;
+    count[word_of_row(cell, at)]++;
+  }
+  vs_text_free(&row);
+  free(cell);
+  vs_row_shape_free(shape);
+  if (status) return status;
+  return vs_fail(err, VS_RATING, "a rating is violated in %llu, undecided in %llu of %llu cases",
+                 count[VS_HOLD_VIOLATED], count[VS_HOLD_UNDECIDED],
+                 count[VS_HOLD_HELD] + count[VS_HOLD_VIOLATED] + count[VS_HOLD_UNDECIDED]);
 }

@@ -78,3 +78,9 @@ void vs_judge_json(const vs_judge *judge, vs_json *json);
 void vs_judge_say(const vs_judge *judge, uint64_t cases, FILE *out);
 /* Error: VS_RUN, a case is off by more than is told. */
 vs_status vs_judge_result(const vs_judge *judge, vs_error *err);
+
+/* ---- the limits ---- */
+
+/* Fails with VS_RATING: in how many cases a rating is violated, and in how many undecided. Errors:
+ * as vs_journal_row has. */
+vs_status vs_judge_ratings(const vs_journals *all, vs_error *err);

@@ -144,15 +144,13 @@ static vs_status say_merged(const vs_journals *all, const vs_judge *judge,
            "written: %s in %s\n",
            (size_t)all->count, done, failed, violated, o->format->written, folder);
   if (!o->quiet) vs_judge_say(judge, all->cases, stdout);
+  if (!o->quiet) vs_publish_warn(all);
   const vs_status judged = vs_judge_result(judge, err);
   if (judged) return judged;
   if (failed)
     return vs_fail(err, VS_RUN, "%llu of %llu cases failed; why stands in %s/failures.csv", failed,
                    done + failed, folder);
-  return violated
-             ? vs_fail(err, VS_RATING, "a rating is violated or undecided in %llu of %llu cases",
-                       violated, done + failed)
-             : VS_OK;
+  return violated ? vs_judge_ratings(all, err) : VS_OK;
 }
 
 static vs_status write_merged(const shards *all, const vs_merge_options *o, const char *folder,

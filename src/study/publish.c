@@ -63,8 +63,10 @@ vs_status vs_publish_check(const char *folder, const vs_format *format, vs_error
 /* A result under way. Its members are in the order in which they are committed. */
 typedef struct result {
   vs_file study, failures, manifest;
-  FILE *rows;      /* what packs into `study`, or its stream; NULL: it has ended */
-  vs_npy *columns; /* NULL: none are written */
+  FILE *rows;       /* what packs into `study`, or its stream; NULL: it has ended */
+  vs_npy *columns;  /* NULL: none are written */
+  uint64_t lacking; /* cases of which a warning says that something is not built */
+  vs_text first;    /* the first of them, with its warning */
 } result;
 
 /* Takes one row, which may be cut up. */
@@ -230,6 +232,32 @@ vs_status vs_publish_write(const vs_journals *all, const vs_format *format, cons
   vs_file_discard(&r.failures);
   vs_file_discard(&r.manifest);
   return status;
+}
+
+/* Counts a row with such a warning, which stands in its cell in quotes, between others. */
+static vs_status look_for_unbuilt(result *r, bool failed, char *row, vs_error *err) {
+  (void)err;
+  char *at = failed ? NULL : strstr(row, "it is not built");
+  if (!at || r->lacking++) return VS_OK;
+  const char *end = at + strcspn(at, "\"|");
+  while (at > row && !strchr("\"|", at[-1])) at--;
+  at += strspn(at, " ");
+  while (end > at && end[-1] == ' ') end--;
+  vs_text_add(&r->first, "case %.*s: %.*s", (int)strcspn(row, ","), row, (int)(end - at), at);
+  return VS_OK;
+}
+
+void vs_publish_warn(const vs_journals *all) {
+  result r = {0};
+  vs_error none = {0};
+  const vs_journal_head_counts counts = vs_publish_count(all);
+  if (!each_row(all, look_for_unbuilt, &r, &none) && r.lacking)
+    fprintf(stderr,
+            "vibrospice: warning: %llu of %llu cases ran without something of their scene, as "
+            "%s (column warnings)\n",
+            (unsigned long long)r.lacking, (unsigned long long)(counts.done + counts.failed),
+            r.first.text);
+  vs_text_free(&r.first);
 }
 
 vs_status vs_publish_show(const char *folder, const char *name, bool header, FILE *out,

@@ -32,6 +32,9 @@ vs_status vs_publish_write(const vs_journals *journals, const vs_format *format,
  * writing of this result was interrupted. */
 bool vs_publish_was_begun(const vs_journals *journals, const char *folder);
 
+/* Warns if something of the scene was not built in some cases: how many, and of the first. */
+void vs_publish_warn(const vs_journals *journals);
+
 /* Prints one of the folder's files, with its header row or without. Errors: VS_INPUT or VS_RUN, it
  * cannot be read. */
 vs_status vs_publish_show(const char *folder, const char *name, bool header, FILE *out,

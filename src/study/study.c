@@ -86,7 +86,7 @@ static vs_status run_study(session *s, vs_error *err);
 static vs_status judge_cases(session *s, vs_error *err);
 static vs_status write_result(session *s, vs_error *err);
 static vs_status say_result(const session *s, vs_error *err);
-static vs_status judge_study(const session *s, vs_error *err);
+static vs_status judge_study(session *s, vs_error *err);
 static vs_status end_session(session *s, vs_status status, vs_error *err);
 
 vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
@@ -744,6 +744,7 @@ static vs_status write_result(session *s, vs_error *err) {
   vs_platform_json(&s->journal.bits, &json);
   const vs_journals all = {&s->journal, 1, s->count, more.text};
   vs_status status = vs_publish_write(&all, s->o->format, s->folder, err);
+  if (!status && !s->o->quiet && !s->o->progress_json) vs_publish_warn(&all);
   vs_text_free(&more);
   signal(SIGPIPE, before);
   return status;
@@ -778,10 +779,9 @@ static vs_status say_result(const session *s, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status judge_study(const session *s, vs_error *err) {
-  const vs_journal *j = &s->journal;
+static vs_status judge_study(session *s, vs_error *err) {
+  vs_journal *j = &s->journal;
   const vs_plan_stage *stage = s->plan.adaptive;
-  unsigned long long all = j->done + j->failed;
   if (stage && stage->method->publish) {
     const vs_results results = cases_results(&s->cases, s->count);
     return stage->method->publish(&s->plan, stage, &results, s->o->folder, s->o->quiet, err);
@@ -790,10 +790,9 @@ static vs_status judge_study(const session *s, vs_error *err) {
   if (judged) return judged;
   if (j->failed)
     return vs_fail(err, VS_RUN, "%llu of %llu cases failed%s%s%s", (unsigned long long)j->failed,
-                   all, s->o->folder ? "; why stands in " : "", s->o->folder ? s->folder : "",
+                   (unsigned long long)(j->done + j->failed),
+                   s->o->folder ? "; why stands in " : "", s->o->folder ? s->folder : "",
                    s->o->folder ? "/failures.csv" : "");
-  if (j->violated)
-    return vs_fail(err, VS_RATING, "a rating is violated or undecided in %llu of %llu cases",
-                   (unsigned long long)j->violated, all);
-  return VS_OK;
+  const vs_journals rows = {j, 1, s->count, NULL};
+  return j->violated ? vs_judge_ratings(&rows, err) : VS_OK;
 }

@@ -202,6 +202,21 @@ static void units(void) {
   }
 }
 
+/* A range is drawn as the study has it, wherever a search put its cases. */
+static void a_range_says_whether_it_is_logarithmic(void) {
+  static const double PLACES[] = {1, 70, 74, 360}, DECADES[] = {1, 10, 100, 1000};
+  char name[] = "x", unit[] = "deg", no[] = "false", yes[] = "true";
+  vs_node said = {.kind = VS_NODE_TEXT, .key = "log", .text = no},
+          axis = {.kind = VS_NODE_MAP, .child = &said};
+  vs_folder_column c = {.name = name, .unit = unit, .node = &axis};
+  CU_ASSERT_FALSE(vs_scale_of(&c, (vs_extent){1, 360, PLACES, 4}).log);
+  CU_ASSERT_FALSE(vs_scale_of(&c, (vs_extent){1, 1000, DECADES, 4}).log);
+  said.text = yes;
+  CU_ASSERT_TRUE(vs_scale_of(&c, (vs_extent){1, 360, PLACES, 4}).log);
+  c.node = NULL;
+  CU_ASSERT_TRUE(vs_scale_of(&c, (vs_extent){1, 1000, DECADES, 4}).log);
+}
+
 /* ---- reports ---- */
 
 static void a_map(void) {
@@ -778,6 +793,7 @@ int main(void) {
       {"shares", shares},
       {"contours", contours},
       {"units", units},
+      {"a range says whether it is logarithmic", a_range_says_whether_it_is_logarithmic},
       {"bars add up", bars_add_up},
       {"bad folders", bad_folders},
       {"bad words", bad_words},

@@ -409,7 +409,7 @@ static void bars_in_order(void) {
       "\"a3.x 3 of 10 V, unverified\"",
       "\"a1.x 1 of 10 V, held\"",
       "\"a2.x 1 of 20 V, held\"",
-      "\"2 more above -50 \\045\"",
+      "\"2 more: 1 waived, the rest above 100 \\045\"",
       "first -100, first -0.34 to first 0, first 0.34 fillstyle solid 0.9 noborder fillcolor rgb "
       "\"#d55e00\"",
       "from first -51, first 1 to first -49, first 1 heads",
@@ -501,7 +501,7 @@ static void bars_drawn(void) {
   free_ran(&r);
   char *html = read_file("v/report.html"), *svg = read_file("v/verdict.svg");
   expect_order(html, PAGE, __LINE__);
-  EXPECT(strstr(svg, "2 more above -50 %") != NULL, "%s", svg);
+  EXPECT(strstr(svg, "2 more: 1 waived, the rest above 100 %") != NULL, "%s", svg);
   free(html), free(svg);
   RUN_GOOD("run paper --set run.until=20ms -o v --quiet");
   EXPECT_FILES("v", "events.csv run.csv summary.json ");

@@ -41,11 +41,11 @@ static bool takes_prefix(const char *unit) {
   return false;
 }
 
-/* True if the manifest says so of the axis, or if its middle value is nearer to the geometric than
- * to the arithmetic mean of the ends. */
+/* What the manifest says of an axis that is a range; else true if the middle value is nearer to the
+ * geometric than to the arithmetic mean of the ends. */
 static bool is_log(const vs_folder_column *c, vs_extent s) {
   const vs_node *said = c->node ? vs_tree_child(c->node, "log") : NULL;
-  if (said && said->kind == VS_NODE_TEXT && !strcmp(said->text, "true")) return s.least > 0;
+  if (said && said->kind == VS_NODE_TEXT) return !strcmp(said->text, "true") && s.least > 0;
   if (!s.value || s.count < 3 || !(s.least > 0) || s.largest < 8 * s.least) return false;
   double middle =
       s.count % 2 ? s.value[s.count / 2] : sqrt(s.value[s.count / 2] * s.value[s.count / 2 - 1]);

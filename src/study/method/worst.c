@@ -205,6 +205,8 @@ static void say_finding(const vs_plan *plan, const worst *w, const finding *f, u
                 f->restarts, f->place, f->near, 100 * VS_SEARCH_AGREE);
   else
     vs_text_add(text, "a single search tells nothing of other places: raise n or restarts; ");
+  if (plan->base->tier->has_circuit && plan->base->setup.run.verify != VS_VERIFY_ALWAYS)
+    vs_text_add(text, "its row may lack the error of the margin: run.verify: always finds it; ");
   vs_text_add(text, "this is no bound");
 }
 

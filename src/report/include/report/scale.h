@@ -16,8 +16,8 @@ typedef struct vs_scale {
 } vs_scale;
 
 /* Chooses the prefix of the unit that gives the largest amount (on a logarithmic axis the middle
- * one) up to three digits before the decimal point. A margin is shown in per cent. The axis is
- * logarithmic if the manifest says so, or if its values are spaced like that. */
+ * one) up to three digits before the decimal point. A margin is shown in per cent. An axis is
+ * logarithmic if the manifest says so of a range, or if a list's values are spaced like that. */
 vs_scale vs_scale_of(const vs_folder_column *column, vs_extent span);
 
 /* Writes the unit in its usual typography: "ohm" -> "Ω", "m/s2" -> "m/s²", "N.s/m" -> "N·s/m" */
