@@ -97,9 +97,8 @@ static const vs_inside EDDY = {{"actuator.eddy", RUNG_ROWS, sizeof RUNG_ROWS / s
 static const vs_field WINDING_ROWS[] = {
     {"temperature", VS_REAL, "degC", "20 degC", -60, 500, false, W_(temperature_degc),
      "of the winding as the run begins; actuator.resistance is that at 20 degC", NULL, NULL},
-    {"coefficient", VS_REAL, "1/K", "0.00393 1/K", 0, 0.01, false, W_(coefficient_1_k),
-     "by which the resistance grows, as a part of that at 20 degC; that of copper by default", NULL,
-     NULL},
+    {"coefficient", VS_REAL, "", "0.00393", 0, 0.01, false, W_(coefficient_1_k),
+     "by which the resistance grows per K, as a part of that at 20 degC; copper", NULL, NULL},
     {"r_th", VS_REAL, "K/W", "0 K/W", 0, 1e6, false, W_(r_th[0]),
      "thermal resistance from winding to core, or to the ambient where the core has none", NULL,
      NULL},
