@@ -28,11 +28,11 @@ void vs_run_page_head(vs_html *html, const char *folder, const vs_node *summary,
 
 /* ---- the verdict ---- */
 
-/* Adds a cell with an amount and what stands behind it; an empty cell for NaN. */
-static void add_amount(vs_html *html, double value, const char *unit, const char *mark) {
+/* Adds a cell with an amount; an empty one for NaN. */
+static void add_amount(vs_html *html, double value, const char *unit) {
   char text[VS_ENGINEERING_SIZE];
-  vs_html_add(html, "<td class=\"n\">%s%s</td>",
-              isnan(value) ? "" : vs_member_amount(value, unit, text), isnan(value) ? "" : mark);
+  vs_html_add(html, "<td class=\"n\">%s</td>",
+              isnan(value) ? "" : vs_member_amount(value, unit, text));
 }
 
 /* "12.4 %" of a part; an empty cell for NaN. */
@@ -46,7 +46,8 @@ static void add_percent(vs_html *html, double part) {
 
 /* Adds a row: stress and limit first, for narrow screens show the first columns only. */
 static void add_verdict_line(vs_html *html, const vs_node *line) {
-  const char *device = vs_member_word(line, "device"), *unit = vs_member_word(line, "unit");
+  const char *device = vs_member_word(line, "device"), *unit = vs_member_word(line, "unit"),
+             *mark = vs_margin_bars_unsure(line), *says = vs_member_word(line, "text");
   double stress, limit;
   vs_text name = {0};
   if (*device)
@@ -57,13 +58,14 @@ static void add_verdict_line(vs_html *html, const vs_node *line) {
   vs_html_cell(html, name.text);
   vs_text_free(&name);
   vs_margin_bars_stress(line, &stress, &limit);
-  add_amount(html, stress, unit, "");
-  add_amount(html, limit, unit, vs_margin_bars_unsure(line));
+  add_amount(html, stress, unit);
+  add_amount(html, limit, unit);
   add_percent(html, vs_member_number(vs_tree_child(line, "margin")));
   vs_html_cell(html, vs_run_pair_word(line));
   add_percent(html, vs_member_number(vs_tree_child(line, "margin_error")));
-  vs_html_add(html, "<td class=\"text\">");
-  vs_html_text(html, vs_member_word(line, "text"));
+  vs_html_add(html, "<td class=\"text\">%s%s%s", *mark ? "limit" : "", mark,
+              *mark && *says ? "; " : "");
+  vs_html_text(html, says);
   if (*device) vs_html_text(html, vs_member_word(line, "unknown"));
   vs_html_add(html, "</td></tr>\n");
 }
