@@ -483,6 +483,10 @@ static void tell_rest(const vs_judgement *const *all, size_t shown, size_t of_al
   fputc('\n', out);
 }
 
+static bool is_failing(const vs_judgement *j) {
+  return j->margin < 0 || vs_verdict_word(j) == VS_UNDECIDED;
+}
+
 /* All that is violated or undecided, each stress once. Of the others the weakest lines whatever
  * they are of, and the tightest of each other device, as far as there is room. */
 void vs_verdict_table_tightest(const vs_verdict *v, int room, FILE *out) {
@@ -495,15 +499,15 @@ void vs_verdict_table_tightest(const vs_verdict *v, int room, FILE *out) {
   for (size_t k = count; k-- > 0;)
     if (line[k] != v->weakest && vs_verdict_is_doubled(line, count, line[k]))
       memmove(line + k, line + k + 1, (--count - k) * sizeof *line);
+  for (size_t k = 0; k < count; k++) room -= is_failing(line[k]);
   const int width = width_of_names(v);
   if (count)
     fprintf(out, "\n  %-*s %11s %11s %-5s %11s %8s\n", width, "tightest", "stress", "limit", "",
             "at", "margin +- its numerical error");
   for (size_t k = 0; k < count; k++) {
     const vs_judgement *j = line[k];
-    const bool fails = j->margin < 0 || vs_verdict_word(j) == VS_UNDECIDED;
     const bool weak = k < WEAK || (j->margin < AMPLE && is_first_of_its(j, line, k));
-    if (!fails && !(weak && shown < (size_t)room)) continue;
+    if (!is_failing(j) && !(weak && room-- > 0)) continue;
     print_device(j, width, out);
     memmove(line + shown + 1, line + shown, (k - shown) * sizeof *line);
     line[shown++] = j;

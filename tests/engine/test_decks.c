@@ -497,8 +497,7 @@ static void tables_are_short(void) {
   free_ran(&fast);
   ran steady = run("steady paper --set firing.every=1 --set circuit.deck=halfwave_paper "
                    "--set circuit.thyristor=latch");
-  /* with the three lines that are undecided, however many there are */
-  EXPECT(lines_of(steady.out) <= 33 && strstr(steady.out, "\nstable: "), "%s%s", steady.out,
+  EXPECT(lines_of(steady.out) <= 30 && strstr(steady.out, "\nstable: "), "%s%s", steady.out,
          steady.err);
   free_ran(&steady);
 }
